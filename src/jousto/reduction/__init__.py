@@ -1,4 +1,4 @@
-"""REDUCE: a part with a mesh becomes a few modes, invariants and modal stress."""
+"""Reduction of a part with a mesh to a few modes, invariants and modal stress."""
 
 from jousto.base.lazy_exports import open_room
 

@@ -1,10 +1,11 @@
 """Derivatives of reduced parts by complex numbers, with real factorisations.
 
 The modes X are Ritz vectors of a subspace, ``X = Y Q`` with ``Y = [R, T c]``: rigid motions R and
-the basis T of the method. At the undisturbed point Q selects columns; its derivative is that of a
-diagonal eigenproblem. Only the part of dT outside of the subspace is needed: for constraint modes
-by ``K_II dPhi = -(dK T)_I``, for vibration modes by Nelson's method (AIAA J. 14, 1976), bordered by
-all kept modes, so that equal frequencies among them cause no singularity.
+the basis T of the method. At the point of the derivative, Q selects columns; the derivative of Q is
+that of a diagonal eigenproblem. Only the part of dT outside of the subspace is needed. It follows
+for constraint modes from ``K_II dPhi = -(dK T)_I``, for vibration modes from Nelson's method (AIAA
+J. 14, 1976), with all kept modes as border, so that equal frequencies among them cause no
+singularity.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ def stepped_modes(part: Part, plain: Part, kept: ReducedPart, method: Method) ->
     Parameters
     ----------
     part, plain : Part
-        Part with complex numbers, and with their real parts.
+        The part with complex numbers, and the part with the real parts of these numbers.
     kept : ReducedPart
         The reduction of `plain`.
     method : CraigBampton or FreeFree
@@ -89,7 +90,7 @@ def stepped_modes(part: Part, plain: Part, kept: ReducedPart, method: Method) ->
     if np.linalg.norm(rows * (both @ c - X)) > SPANNED * np.linalg.norm(rows * X):
         raise NotAnalytic("the modes are not those of the method's basis")
     dX = slopes @ c
-    # among equal frequencies: the shapes that separate under the perturbation
+    # among modes of equal frequency: the shapes that separate under the perturbation
     for one in clusters(1.0 / square):
         if one.stop - one.start > 1:
             dK, dM = _small(given, X[:, one], dX[:, one])
@@ -108,7 +109,7 @@ def _small(given: Matrices, Y: Array, dY: Array) -> tuple[Array, Array]:
 
 
 def _ritz(given: Matrices, X: Array, dX: Array, square: Array) -> tuple[Any, Any]:
-    """Return ``Y Q`` and the frequencies for ``Y = [R, X]``."""
+    """Return ``Y Q`` and the frequencies, with derivatives, for ``Y = [R, X]``."""
     Y, dY = np.concatenate([given.R, X], axis=1), np.concatenate([given.dR, dX], axis=1)
     every = np.concatenate([np.zeros(6), square])
     dK, dM = _small(given, Y, dY)
@@ -124,7 +125,7 @@ def _ritz(given: Matrices, X: Array, dX: Array, square: Array) -> tuple[Any, Any
 def _basis(
     plain: Part, given: Matrices, method: Method, X: Array, square: Array
 ) -> tuple[Array, Array]:
-    """Return a basis of the modes and its derivative outside of the span of the basis."""
+    """Return a basis of the modes, and the part of its derivative outside of its span."""
     if not isinstance(method, CraigBampton):
         if method.interfaces:
             raise NotAnalytic("the reduction has attachment modes")
@@ -162,7 +163,7 @@ def _spread(rows: NDArray[Any], inside: Array, like: Array) -> Array:
 
 
 def _nelson(given: Matrices, rows: NDArray[Any], X: Array, square: Array, border: Array) -> Array:
-    """Return derivatives of modes outside of the border, ``(K - w2 M) dx = -(dK - w2 dM) x``."""
+    """Return derivatives of modes outside of the border by ``(K - w2 M) dx = -(dK - w2 dM) x``."""
     K, M = (sp.csr_array(A[rows][:, rows]) for A in (given.K, given.M))
     scale = 1.0 / np.sqrt(np.where(K.diagonal() > 0.0, K.diagonal(), 1.0))
     S = sp.diags_array(scale)

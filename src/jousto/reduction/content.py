@@ -1,4 +1,4 @@
-"""Content: data of a reduced part, as in its files, with checks."""
+"""Content: the data of a reduced part, as in its files, with checks."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """Data of a `ReducedPart`, checked; see there."""
+    """Checked data of a `ReducedPart`; see `ReducedPart` for the attributes."""
 
     name: str
     nodes: Array

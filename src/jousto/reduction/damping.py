@@ -13,7 +13,7 @@ from jousto.base.errors import InputError, Problem, warn
 from jousto.base.fields import field
 from jousto.base.numbers import Number
 
-# largest damping ratio; larger values are not even percentages and leave no motion
+# largest damping ratio; larger values are not even percentages and would suppress all motion
 MOST = 100.0
 
 

@@ -1,4 +1,4 @@
-"""Points of a flexible body between nodes, with motions interpolated from the nodes."""
+"""Points of a flexible body between its nodes, whose motion is interpolated from the nodes."""
 
 from __future__ import annotations
 
@@ -36,9 +36,10 @@ class Followed:
     nodes : (k,) int array
         Indices of the nodes, from 0.
     weights : (6, k, 6) array
-        Translation and rotation of the point from those of the nodes, part frame, m and rad.
+        Matrices from translation and rotation of the nodes to those of the point, part frame, m and
+        rad.
     arm : (3,) array
-        Rigid arm from the interpolated point to the point, part frame, m.
+        Rigid arm from the interpolated position to the point itself, part frame, m.
     """
 
     nodes: Ints
@@ -72,10 +73,10 @@ def followed(reduced: ReducedPart, point: Array) -> Followed:
     shape functions of the element, with a rigid arm to points off the axis. In other parts a
     polynomial of second degree (or of the terms that the nodes determine, at least the linear ones)
     is fitted to the translations of the surrounding nodes, with weights ``w = (1 - d^2/R^2)^2 /
-    d^2`` of the distance d; its value and half of its curl at the point are translation and
-    rotation (Lancaster and Salkauskas, *Math. Comp.* 37, 1981). Rigid motions and constant strain
-    are reproduced exactly, so that forces on the point reach the nodes with the same resultant and
-    moment.
+    d^2`` of the distance d; the value and half of the curl of the polynomial at the point are the
+    translation and rotation (Lancaster and Salkauskas, *Math. Comp.* 37, 1981). Rigid motions and
+    constant strain are reproduced exactly; therefore a force on the point becomes nodal forces with
+    the same resultant and moment.
 
     Parameters
     ----------
@@ -208,17 +209,17 @@ def _check_inside(reduced: ReducedPart, point: Array) -> None:
 
 
 def _triangles(face: Ints) -> Ints:
-    """Return the triangles (nt, 3, 3) of faces of 3, 4, 6 or 8 nodes by their corners."""
+    """Return the triangles (nt, 3, 3) between the corners of faces of 3, 4, 6 or 8 nodes."""
     if face.shape[1] in (3, 6):
         return np.asarray(face[:, :3])
     return np.concatenate([face[:, [0, 1, 2]], face[:, [0, 2, 3]]])
 
 
 def _turns(T: Array) -> float:
-    """Return the winding number of a closed surface (nt, 3, 3) about the origin (1: inside).
+    """Return the winding number of a closed surface (nt, 3, 3) about the origin; 1 means inside.
 
-    It is the sum of the solid angles / 4 pi: van Oosterom and Strackee, *IEEE Trans. Biomed. Eng.*
-    30 (1983).
+    The winding number is the sum of the solid angles divided by 4 pi: van Oosterom and Strackee,
+    *IEEE Trans. Biomed. Eng.* 30 (1983).
     """
     a, b, c = T.transpose(1, 0, 2)
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))

@@ -1,4 +1,4 @@
-"""Methods of reduction: which modes describe the elastic motion."""
+"""Methods of reduction, which choose the modes that describe the elastic motion."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Reduction(Declared, section="reductions", by_value=True):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Report a missing limit, and a frame that is not defined for modes of the mesh."""
+        """Report a missing limit, and a frame that modes of the mesh cannot have."""
         if isinstance(self.frame, AsGiven):
             problems.add(
                 where, "frame is AsGiven(), which is allowed for ShapeFunctions(...) only", "frame"
@@ -76,7 +76,7 @@ class Reduction(Declared, section="reductions", by_value=True):
 
 
 class CraigBampton(Reduction, tag="craig-bampton"):
-    """Fixed-interface modes and constraint modes of the interface nodes.
+    """Craig-Bampton modes: fixed-interface modes, and constraint modes of the interface nodes.
 
     ``T = [E 0; Phi_C Phi_N]`` (Rantalainen 2007, eqs. 3.24-3.31), then orthonormalised without the
     rigid-body modes (eqs. 3.32-3.36). Each interface node with six degrees of freedom adds six
@@ -137,9 +137,9 @@ class CraigBampton(Reduction, tag="craig-bampton"):
 class FreeFree(Reduction, tag="free-free"):
     """Free-free elastic modes of the whole part, without interfaces.
 
-    Suitable for a part without supports. Near a joint they converge slower than `CraigBampton`,
-    unless attachment modes are added: the residual response of the accelerated part to unit forces
-    and moments on the interfaces (MacNeal 1971, Rubin 1975).
+    Suitable for a part without supports. Near a joint they converge more slowly than
+    `CraigBampton`, unless attachment modes are added: the residual response of the accelerated part
+    to unit forces and moments on the interfaces (MacNeal 1971, Rubin 1975).
 
     Raises
     ------
@@ -179,11 +179,11 @@ class FreeFree(Reduction, tag="free-free"):
 class ShapeFunctions(Reduction, tag="shape-functions"):
     """Shape functions of position in place of modes of the mesh (Ritz method).
 
-    ``u = T q`` with the functions' values T at the nodes; mass and stiffness are
-    ``T^T M T`` and ``T^T K T`` of the part's own matrices. Rigid motions are removed, since they
-    are those of the frame, and the rest is orthonormalised; the results are the best approximations
-    of the modes of the part by these functions. Interfaces and residuals add their static
-    responses, as in `FreeFree`.
+    ``u = T q`` with the functions' values T at the nodes; mass and stiffness are ``T^T M T`` and
+    ``T^T K T`` of the part's own matrices. Rigid motions are removed, since the frame describes
+    them, and the rest is orthonormalised. The results are the best approximations of the modes of
+    the part by these functions. Interfaces and residuals add their static responses, as in
+    `FreeFree`.
 
     A callable has the positions of all nodes (nn, 3) in m as argument and returns translations (nn,
     3), any unit; for parts of beams it may return translations and rotations (nn, 6). Missing
@@ -193,11 +193,11 @@ class ShapeFunctions(Reduction, tag="shape-functions"):
     Raises
     ------
     InputError
-        If there is no function, or an argument is none.
+        If there is no function, or an argument is invalid.
 
     Examples
     --------
-    A cantilever by three functions in each direction; slender beam theory gives 8.3552 Hz:
+    A cantilever with three functions in each direction; slender beam theory gives 8.3552 Hz:
 
     >>> import jousto as jo
     >>> from jousto.reduction import BeamFunctions, NodeFrame, ShapeFunctions
@@ -224,7 +224,7 @@ class ShapeFunctions(Reduction, tag="shape-functions"):
     residuals: Residuals = field("Load patterns and stress sites, see `CraigBampton`", default=())
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Accept missing limits: all modes are kept."""
+        """Accept missing limits, with which all modes are kept."""
 
     def __repr__(self) -> str:
         more = "".join(

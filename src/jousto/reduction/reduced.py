@@ -1,4 +1,4 @@
-"""Reduced part: the data for the simulation of a flexible body, without the mesh."""
+"""Reduced part: the data of a flexible body that a simulation needs, without the mesh."""
 
 from __future__ import annotations
 
@@ -28,8 +28,9 @@ RIGID = 1e-9
 class ReducedPart(Content):
     """Flexible body described by n modes in its floating frame.
 
-    The frame is that of the node positions. Modes are mass-normalised, so that the modal mass
-    matrix is the identity and the modal stiffness is ``diag((2 pi f)^2)``. Created by `reduce`.
+    The part frame is the frame in which node positions are given. Modes are mass-normalised, so
+    that the modal mass matrix is the identity and the modal stiffness is ``diag((2 pi f)^2)``.
+    Created by `reduce`.
 
     Parameters
     ----------
@@ -94,7 +95,7 @@ class ReducedPart(Content):
 
     @property
     def named_nodes(self) -> dict[str, Array]:
-        """Undeformed positions (3,) in m of the nodes that have a node set of their own."""
+        """Undeformed positions (3,) in m of the nodes that have a node set to themselves."""
         return {key: self.nodes[m[0]] for key, m in self.node_sets.items() if len(m) == 1}
 
     @explained
@@ -121,7 +122,7 @@ class ReducedPart(Content):
         return members[0]
 
     def rotation(self, node: int) -> Array | None:
-        """Return the rotation of a node in each mode (3, n), kg^-0.5/m; None if it has none.
+        """Return the rotation of a node in each mode (3, n), kg^-0.5/m; None without rotations.
 
         Parameters
         ----------
@@ -139,13 +140,14 @@ class ReducedPart(Content):
 
     @property
     def static_shares(self) -> Array:
-        """Static part of the strain energy of each mode, (n,), from 0 to 1.
+        """Static part of the strain energy of each mode, (n,), between 0 and 1.
 
         A mode is the sum of a static shape, caused by loads on the interfaces that produce the
         interface motion of the mode (constraint or attachment modes), and of a vibration with fixed
         interfaces; their strain energies add. Modes with a static part above one half describe the
         deformation of the interfaces. Their frequencies bound natural frequencies of the free part
-        from above like those of the others; the share says nothing of the distance.
+        from above, like the frequencies of the other modes; the static part does not indicate how
+        close the bound is.
 
         With U the motion of the interfaces in the modes without rigid motion, and the singular
         vectors V of ``U diag(1/omega)``, the parts are the sums of squares of the rows of V. Their
@@ -225,7 +227,7 @@ class ReducedPart(Content):
         )
 
     def in_plane(self, plane: str, *, tolerance: float = 1e-3) -> tuple[int, ...]:
-        """Return the indices of the modes that move in a coordinate plane only.
+        """Return the indices of the modes whose motion lies in a coordinate plane.
 
         A mode is in the plane if its translations out of it and its rotations about axes in it
         stay below the tolerance (root mean square over the nodes, rotations times body size).
@@ -235,7 +237,7 @@ class ReducedPart(Content):
         plane : str
             ``"xy"``, ``"yz"`` or ``"xz"`` of the part frame.
         tolerance : float
-            Largest motion out of the plane / motion.
+            Largest ratio of the motion out of the plane to the whole motion.
 
         Raises
         ------
@@ -288,8 +290,8 @@ class ReducedPart(Content):
         Raises
         ------
         InputError
-            If the file does not exist, is no reduced part, has another version of the format, or is
-            damaged.
+            If the file does not exist, is not a reduced part, has another version of the format, or
+            is damaged.
 
         Warns
         -----

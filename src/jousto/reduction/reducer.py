@@ -87,9 +87,9 @@ def reduce(
 ) -> ReducedPart:
     """Reduce a part to its elastic modes, orthonormal and free of rigid-body motion.
 
-    Craig-Bampton: ``T = [E 0; Phi_C Phi_N]``, the rigid motions R are removed from T by the
-    projection ``P = E - R (R^T M R)^-1 R^T M``, and the rest is orthonormalised (Rantalainen 2007,
-    eqs. 3.24-3.36, where the rigid modes are identified by their frequency instead).
+    The Craig-Bampton method starts from ``T = [E 0; Phi_C Phi_N]``. The projection ``P = E - R (R^T
+    M R)^-1 R^T M`` removes the rigid motions R from T, and the rest is orthonormalised (Rantalainen
+    2007, eqs. 3.24-3.36, where the rigid modes are identified by their frequency instead).
 
     Parameters
     ----------
@@ -101,10 +101,10 @@ def reduce(
         shafts and arms, and members near buckling. For parts of beams or solids only. Off by
         default; the body is then linear as in other programs, and cheaper.
     residual_stress : bool or mapping of str to (ndof,) array
-        Whether the stress outside of the modes is computed for `stress_field`: of inertia forces
-        and of loads by name, ``{"tip": part.load(...)}``, between the interfaces. For slowly
-        changing loads the stress of few modes then equals that of the mesh, at the cost of one more
-        factorisation.
+        Whether the stress outside of the modes is computed for `stress_field`. The mapping contains
+        loads by name, ``{"tip": part.load(...)}``, in addition to inertia forces; interfaces react
+        to the loads. For slowly changing loads the stress of few modes then equals that of the
+        mesh, at the cost of one more factorisation.
     solver : str, optional
         Library that factorises the stiffness matrix, see `solvers`; None for the best installed
         one. With a given library, cached results of other libraries are not used.
@@ -113,9 +113,9 @@ def reduce(
         True for the cache folder of the user, False for no cache; by default parts of 30,000
         degrees of freedom and more are cached.
     progress : bool or function, optional
-        True shows a bar for each stage, False none; a function is called with (stage, finished
-        fraction of it, 0 to 1). By default parts of 30,000 degrees of freedom and more show bars on
-        a terminal and in a notebook.
+        True shows a bar for each stage, False none; a function is called with the stage and its
+        finished fraction from 0 to 1. By default parts of 30,000 degrees of freedom and more show
+        bars on a terminal and in a notebook.
 
     Returns
     -------
@@ -201,7 +201,7 @@ def _kept(
 
 
 def remembered(reduced: ReducedPart, part: Part) -> ReducedPart:
-    """Return the reduced part with a reference to the part before reduction, unless it is large."""
+    """Return the reduced part with a reference to its unreduced part, unless that is large."""
     return replace(reduced, source=part if part.K.shape[0] <= REMEMBERED else None)
 
 
@@ -308,14 +308,14 @@ def _modes(
         mu = np.where(moving, mu, eigen.STAND_IN * mu[0])
         X = X / np.sqrt(mu)
         _check_orthonormal(X[:, moving], M, where)
-        # static shapes without mass come among the modes, which keep their order
+        # static shapes without mass are inserted among the modes, whose order is kept
         after = np.sum(mu[moving] > eigen.STAND_IN * mu[0]) - 0.5
         order = np.argsort(np.where(moving, np.arange(len(mu)), after), kind="stable")
     return mu[order], X[:, order]
 
 
 def _spanned(Y: Array) -> eigen.Flexibility:
-    """Return the body spanned by vectors of unit stiffness."""
+    """Return the body spanned by vectors that have unit stiffness."""
     n = Y.shape[1]
     return eigen.Flexibility(n, lambda y: Y @ y, lambda f: Y.T @ f, np.eye(n), None)
 
@@ -323,7 +323,7 @@ def _spanned(Y: Array) -> eigen.Flexibility:
 def _selected(
     part: Part, mu: Array, X: Array, method: FreeFree | ShapeFunctions
 ) -> tuple[Array, Array]:
-    """Return the modes selected by the limits of a method."""
+    """Return the modes selected by the limits of the method."""
     if method.modes is None and method.frequency_limit is None:
         return mu, X
     kind = "free-free" if isinstance(method, FreeFree) else "shape functions'"
@@ -332,7 +332,7 @@ def _selected(
 
 
 def _unique(part: Part, mu: Array, X: Array, M: sp.csr_array) -> tuple[Array, Array]:
-    """Return modes with signs and, at equal frequencies, shapes independent of the solver."""
+    """Return modes whose signs and, at equal frequencies, shapes do not depend on the solver."""
     d, length = part.dofs_per_node, length_scale(part.nodes)
     k = int(np.sum(mu > 0.0))
     moving, modes = eigen.canonical(mu[:k], X[:, :k], M, d, length)
@@ -356,7 +356,7 @@ def _check_orthonormal(X: Array, M: sp.csr_array, where: str) -> None:
 
 @explained
 def from_modes(part: Part, modes: ArrayLike, frequencies: ArrayLike) -> ReducedPart:
-    """Return a reduced part with given mode shapes, such as those of a printed table.
+    """Return a reduced part with given mode shapes, such as mode shapes of a printed table.
 
     The modal mass matrix is taken as the identity, independent of the digits of the table; unknown
     degrees of freedom may be zero.
@@ -445,7 +445,7 @@ def _assemble(
 
 
 def _sets(part: Part) -> dict[str, tuple[int, ...]]:
-    """Return the node sets and, by the name of each tie, its reference node."""
+    """Return the node sets, and the reference node of each tie under the name of the tie."""
     sets = dict(part.node_sets)
     for number, tie in enumerate(part.ties):
         sets.setdefault(f"{tie.name}.nodes", tuple(int(i) for i in tie.nodes))
@@ -456,8 +456,9 @@ def _sets(part: Part) -> dict[str, tuple[int, ...]]:
 def invariants(part: Part, X: ArrayLike) -> Invariants:
     """Return the inertia invariants of mode shapes (ndof, n) of a part.
 
-    Mass points are used if the part has them, else bilinear forms of its mass matrix; rigid masses
-    attached to a consistent mass matrix are treated as points.
+    The invariants are computed from the mass points of the part or, without them, from bilinear
+    forms of its mass matrix; rigid masses attached to a consistent mass matrix are treated as
+    points.
     """
     modes = floats(X)
     if part.mass_points is not None:

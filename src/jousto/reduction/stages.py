@@ -1,4 +1,4 @@
-"""Progress of one reduction: its stages, solver, and stored results in case of interruption."""
+"""Progress of a reduction: its stages, its solver, and results stored in case of interruption."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Keeper(Protocol):
     """Storage of the results of stages, such as an entry of the cache."""
 
     def read(self, stage: str) -> dict[str, NDArray[Any]] | None:
-        """Return the arrays of a stage, or None if there are none."""
+        """Return the arrays of a stage; None if none are stored."""
 
     def write(self, stage: str, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Write the arrays of a stage."""
@@ -51,7 +51,7 @@ class Run:
         self._entry = entry
 
     def _use(self, names: str) -> None:
-        """Record the libraries used, each once: a continued reduction may use another one."""
+        """Record the libraries used, each once, since a continued reduction may use another one."""
         known = [*self.used.split(", "), *names.split(", ")]
         self.used = ", ".join(name for name in dict.fromkeys(known) if name)
 
@@ -59,7 +59,7 @@ class Run:
     def stage(self, name: str) -> Iterator[Report]:
         """Report the beginning and the end of a stage.
 
-        Yield a function of (name, finished fraction).
+        The method yields a function of (name, finished fraction).
         """
         report = self.report or (lambda stage, done: None)
         report(name, 0.0)
@@ -82,7 +82,7 @@ class Run:
         return solve
 
     def found(self, stage: str) -> dict[str, Array] | None:
-        """Return the result of an interrupted reduction for this stage, or None."""
+        """Return the stored result of an interrupted reduction for this stage, or None."""
         kept = None if self._entry is None else self._entry.read(stage)
         if kept is not None and "solver" in kept:
             self._use(str(kept.pop("solver")))

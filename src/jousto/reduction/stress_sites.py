@@ -43,7 +43,7 @@ def _located(reduced: ReducedPart, stress: StressModes) -> StressModes:
 
 
 def _nodes(reduced: ReducedPart, stress: StressModes) -> NDArray[np.int64]:
-    """Return the node of every site, -1 if it has none."""
+    """Return the node of every site; -1 if the site has none."""
     if reduced.elements.ndim == 2 and reduced.elements.shape[1] == 2:
         # section points surround the nodes at the ends of beam elements
         found = np.full(len(stress.labels), -1, dtype=np.int64)

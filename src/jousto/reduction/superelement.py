@@ -42,13 +42,13 @@ class Condensed(Declared):
     = w^2 M x`` with ``R^T M x = 0``.
 
     Mass, centre, inertia, momentum and energy of the modes follow from the matrices exactly. The
-    change of the inertia tensor with deformation does not, since the matrices do not contain the
-    distribution of mass between the nodes; it is left out, an error of the order (deflection /
-    length) of the inertia.
+    change of the inertia tensor with deformation is left out, since the matrices do not contain the
+    distribution of mass between the nodes; this is a relative error of the inertia of the order
+    deflection / length.
 
-    Node sets of the reduced part are ``n17`` for the node with the number 17 in the other program
-    and those of the mesh. Without limits the static response to loads on the nodes is that of the
-    superelement.
+    Node sets of the reduced part are the node sets of the mesh, and ``n17`` for the node with the
+    number 17 in the other program. Without limits the static response to loads on the nodes equals
+    that of the superelement.
 
     Raises
     ------
@@ -135,7 +135,7 @@ def _reduced(matrices: Matrices, modes: int | None, frequency_limit: float | Non
 
 
 def _rigid_row(x: Array, direction: int) -> Array:
-    """Return the motion of one row in the six rigid motions about the origin."""
+    """Return the motion of a row of the matrix in the six rigid motions about the origin."""
     out = np.zeros(6)
     axis = (direction - 1) % 3
     if direction <= 3:
@@ -158,7 +158,7 @@ def _check_symmetric(where: str, K: Array, M: Array) -> None:
 
 
 def _check_free(where: str, K: Array, G: Array, nodes: Array, dofs: NDArray[np.int64]) -> None:
-    """Raise InputError if a rigid motion causes forces: supports, other axes, wrong positions."""
+    """Raise InputError if rigid motions cause forces: supports, other axes, wrong positions."""
     scaled = G.copy()
     centre = nodes.mean(axis=0)
     for a in range(3):
@@ -214,8 +214,8 @@ def _elastic(
 ) -> tuple[Array, Array]:
     """Return mass-normalised elastic modes and their frequencies in Hz, ascending.
 
-    ``(M - MR R^T M) x = mu (K + s MR R^T M) x``: the rigid motions have mu = 0, elastic modes
-    ``mu = 1/w^2`` and ``R^T M x = 0``; massless motions have mu = 0, too.
+    The modes follow from ``(M - MR R^T M) x = mu (K + s MR R^T M) x``. Elastic modes have ``mu =
+    1/w^2`` and ``R^T M x = 0``; rigid motions and massless motions have mu = 0.
     """
     MR = M @ R
     gram = MR @ MR.T
@@ -261,7 +261,7 @@ def _elastic(
 
 
 def _with_massless(X: Array, frequencies: Array, Z: Array, K: Array) -> tuple[Array, Array]:
-    """Return the modes and the static shapes without mass, Z minus its rigid motions."""
+    """Return the modes, then the massless static shapes Z without their rigid motions."""
     energy, turn = np.linalg.eigh(Z.T @ (K @ Z))  # 0 for rigid motions, 1 for others
     still = Z @ turn[:, energy > 0.5]
     still = still @ np.linalg.eigh(still.T @ still)[1]
@@ -273,7 +273,7 @@ def _with_massless(X: Array, frequencies: Array, Z: Array, K: Array) -> tuple[Ar
 
 
 def _invariants(M: Array, G: Array, X: Array) -> Invariants:
-    """Return the mass integrals; those that the matrices do not determine are left out.
+    """Return the mass integrals without the terms that the matrices do not determine.
 
     ``int u0 phi^T dm`` has a known antisymmetric part, the angular momentum, and ``int phi_j
     phi_k^T dm`` a known trace, the modal mass, which is distributed equally over the axes.
@@ -294,7 +294,7 @@ def _invariants(M: Array, G: Array, X: Array) -> Invariants:
 
 
 def _marker_nodes(where: str, dofs: NDArray[np.int64], index: Index) -> tuple[Index, Index]:
-    """Return the rows of nodes with all translations, and of those with all rotations."""
+    """Return the rows of nodes with all translations, and the rows of nodes with all rotations."""
     have: dict[int, set[int]] = {}
     for i, (_, c) in zip(index, dofs, strict=True):
         if c:

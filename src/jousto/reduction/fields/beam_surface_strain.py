@@ -80,7 +80,7 @@ class Fibre:
     s : float
         Position along the element, 0 at end a, 1 at end b.
     shares : (m,) array
-        Weights of the section points; they add up to one.
+        Weights of the section points; their sum is one.
     exact : bool
         Whether the position is a named section point, where shear stress is known, too.
     x : (3,) array
@@ -143,7 +143,7 @@ def nearest_fibre(beams: list[Element], x: Array) -> Fibre:
     """
     gaps = np.array([element.gap(x) for element in beams])
     best = _on(beams[int(np.argmin(gaps))], x)
-    # skip elements whose box is farther away; of equal distances the first counts
+    # skip elements whose box is farther away; among equal distances the first element counts
     near = np.flatnonzero(gaps <= best.distance * (1.0 + 1e-9) + 1e-12)
     best = _on(beams[near[0]], x)
     for i in near[1:]:
@@ -154,7 +154,7 @@ def nearest_fibre(beams: list[Element], x: Array) -> Fibre:
 
 
 def _on(element: Element, x: Array) -> Fibre:
-    """Return the position on an element nearest to x."""
+    """Return the position on an element that is nearest to x."""
     along, *yz = element.nearest(element.axes.T @ (x - element.origin))
     shares, exact = _shares(element, np.array(yz))
     foot = element.origin + element.axes @ np.array([along, *(shares @ element.yz)])

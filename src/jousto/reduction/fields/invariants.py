@@ -1,4 +1,4 @@
-"""Inertia shape invariants: all mass integrals of a modal body in its equations of motion.
+"""Inertia shape invariants: all mass integrals in the equations of motion of a modal body.
 
 All invariants follow from six integrals: mass, ``int u0 dm``, ``int u0 u0^T dm``, ``int phi_j dm``,
 ``int u0 phi_j^T dm`` and ``int phi_j phi_k^T dm``; I1..I9 of Rantalainen 2007 (eqs. 3.49-3.67) are
@@ -36,7 +36,7 @@ SYMMETRY = 1e-9
 @described
 @dataclass(frozen=True, eq=False)
 class Invariants:
-    """Mass integrals of a body with n modes, resolved in the body frame.
+    """Mass integrals of a body with n modes, resolved in the body frame (inertia shape invariants).
 
     u0 is the undeformed position of a particle (m), phi_j its displacement in mode j (with
     mass-normalised modes in kg^-0.5).
@@ -97,7 +97,7 @@ class Invariants:
         return int(self.I3.shape[1])
 
     def __add__(self, other: Invariants) -> Invariants:
-        """Return the invariants of the sum of two masses with the same modes."""
+        """Return the invariants of the combined mass of two bodies with the same modes."""
         return Invariants(
             self.mass + other.mass,
             self.first_moment + other.first_moment,
@@ -185,7 +185,7 @@ def _tilde_tilde(outer: Array) -> Array:
 
 
 def outer(tilde_tilde: Array) -> Array:
-    """Return ``int a b^T dm`` from ``int a~^T b~ dm``, whose trace is twice that of ``a.b``."""
+    """Return ``int a b^T dm`` from ``int a~^T b~ dm``, whose trace is twice ``int a . b dm``."""
     trace = 0.5 * np.trace(tilde_tilde, axis1=-2, axis2=-1)[..., None, None]
     return np.asarray(np.swapaxes(trace * np.eye(3) - tilde_tilde, -1, -2))
 
@@ -238,13 +238,13 @@ def invariants_from_matrix(
 ) -> Invariants:
     """Return the invariants as bilinear forms of the mass matrix.
 
-    With C_a the generator of rotation (every nodal translation and rotation t becomes
-    ``e_a x t``) and r_a the rigid rotation about axis a, ``I8[j][a, b] = r_a^T M C_b phi_j`` and
-    ``I9[j, k][a, b] = (C_a phi_j)^T M (C_b phi_k)``. This is exact for isoparametric elements,
-    whose mass matrix is a scalar matrix times the identity. For beams with consistent mass it
-    converges with the square of the element length, except for the rotary inertia, which cannot be
-    identified from a matrix. Momentum and modal mass are always exact: I3 and I4 follow from ``R^T
-    M phi``, and ``trace E[j, k]`` is ``phi_j^T M phi_k``.
+    With C_a the generator of rotation (it replaces every nodal translation and rotation t by ``e_a
+    x t``) and r_a the rigid rotation about axis a, ``I8[j][a, b] = r_a^T M C_b phi_j`` and ``I9[j,
+    k][a, b] = (C_a phi_j)^T M (C_b phi_k)``. This is exact for isoparametric elements, whose mass
+    matrix is a scalar matrix times the identity. For beams with consistent mass it converges with
+    the square of the element length, except for the rotary inertia, which cannot be identified from
+    a matrix. Momentum and modal mass are always exact: I3 and I4 follow from ``R^T M phi``, and
+    ``trace E[j, k]`` is ``phi_j^T M phi_k``.
 
     Parameters
     ----------

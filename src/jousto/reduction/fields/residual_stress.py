@@ -1,4 +1,4 @@
-"""Residual stress: the part of the static response to loads and inertia outside of the modes."""
+"""Residual stress: the static response to loads and inertia that the modes do not contain."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ CENTRIFUGAL = tuple(f"centrifugal {AXES[a]}{AXES[b]}" for a, b in PAIRS)
 
 @dataclass(frozen=True, eq=False)
 class ResidualStress:
-    """Stress outside of the modes, for unit loads, by the method of mode acceleration.
+    """Stress outside of the modes for unit loads, by the mode acceleration method.
 
     ``u = Phi p + [K^+ - Phi W^-2 Phi^T] F``: F are all loads including the inertia forces of the
     motion.
@@ -46,7 +46,7 @@ class ResidualStress:
         ``w_x w_x`` .. ``w_x w_z``, all in the body frame; "mode 1" .. per unit of p''; then the
         named loads.
     columns : (ns, 6, m) array
-        Pa.
+        Stress, Pa per unit of each load.
     static : (n, m) array
         Part of each response that the modes contain, ``W^-2 Phi^T F``.
     """
@@ -164,7 +164,7 @@ def residual_stress(
                 " residual_stress=False"
             )
             raise InputError(Problem(f"part '{part.name}'", message))
-        balance[:, 12 : 12 + n] = 0.0  # already balanced
+        balance[:, 12 : 12 + n] = 0.0  # the load is balanced already
         F = F + L @ balance
     F = F - rigid.MR @ (rigid.R.T @ F)
     basis = whole_part_basis(part, K, run)

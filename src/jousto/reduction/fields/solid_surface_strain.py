@@ -29,7 +29,7 @@ class Foot:
     Attributes
     ----------
     x : (3,) array
-        Position, m.
+        Position of the nearest point, m.
     normal : (3,) array
         Unit normal, outwards.
     nodes : (k,) int array
@@ -52,7 +52,7 @@ class Foot:
 
 @dataclass(frozen=True, eq=False)
 class Weights:
-    """Linear functional of nodal displacements: ``sum_a w_a . u_a``.
+    """Linear functional of nodal displacements, ``sum_a w_a . u_a``.
 
     Attributes
     ----------
@@ -140,7 +140,8 @@ class Skin:
             if not len(rows):
                 continue
             xi, distance = _nearest(self.nodes[self.faces[block][rows]], x)
-            # of faces at equal distance the first counts: the same result in every run
+            # among faces at equal distance the first one counts, so that every run has the same
+            # result
             i = int(np.argmax(distance <= distance.min() * (1.0 + 1e-9) + 1e-15))
             if best is None or distance[i] < best[0]:
                 best = (float(distance[i]), block, int(rows[i]), xi[i])
@@ -192,11 +193,11 @@ def point_strain(feet: Sequence[Foot], t: Array) -> Weights:
 
 
 def grid_strain(skin: Skin, start: Foot, t: Array, length: float, width: float) -> Weights:
-    """Return the mean strain under a grid, its elongation over its length.
+    """Return the mean strain under a grid, which is its elongation over its length.
 
     ``sum_k c_k . (u_k+1 - u_k) / sum_k |dx_k|`` along the unit chords c_k of a path on the surface.
-    On a plane face this is the difference of the displacements of both ends / length, exact for the
-    finite element field. The mean over the width uses `LINES` lines.
+    On a plane face this is the difference of the displacements of both ends divided by the length,
+    exact for the finite element field. The mean over the width uses `LINES` lines.
 
     Parameters
     ----------
@@ -291,7 +292,7 @@ def _nearest(x: Array, point: Array) -> tuple[Array, Array]:
 
 
 def _inside(xi: Array, corners: int) -> Array:
-    """Return the reference coordinates moved into the triangle or the square."""
+    """Return the reference coordinates, moved into the triangle or the square if outside."""
     if corners == 4:
         return np.clip(xi, 0.0, 1.0)
     over = np.maximum(xi.sum(axis=1) - 1.0, 0.0) / 2.0

@@ -1,7 +1,7 @@
 """Geometric stiffening: second-order displacement field of a modal body.
 
 ``u = u0 + Phi p + 1/2 chi(p, p)``: the ends of a bent beam move towards each other, and an axial
-force does work on this displacement. By chi the centrifugal forces and joint forces stiffen (or
+force does work on this displacement. Through chi, centrifugal forces and joint forces stiffen (or
 soften) the body.
 """
 
@@ -87,12 +87,11 @@ def stiffening(part: Part, X: Array) -> Stiffening:
     """Return the second-order displacement field of mode shapes (ndof, n) of beams or solids.
 
     The energy of an element is that of ``B d + s(d, d)/2``, see `parts.second_order` and
-    `parts.solids.second_order`. Displacements
-    ``d = X p + chi(p, p)/2`` free of energy of the second order solve
+    `parts.solids.second_order`. Displacements ``d = X p + chi(p, p)/2`` whose second-order part has
+    no energy solve
 
-        ``K chi_jk = -sum_e B^T k s(x_j, x_k)``,
-
-    the dual of geometric stiffness: ``f . chi(p, p) = -p^T Kg(f) p`` for every load f, with Kg of
+        ``K chi_jk = -sum_e B^T k s(x_j, x_k)``. They are dual to the geometric stiffness: ``f .
+        chi(p, p) = -p^T Kg(f) p`` for every load f, with Kg of
     the stress state ``K d = f``. The rigid part of chi is chosen such that ``int chi dm`` and ``int
     u0 x chi dm`` vanish.
 
@@ -168,7 +167,7 @@ def stiffening(part: Part, X: Array) -> Stiffening:
 
 
 def _turned(part: Part, tie: Tie, X: Array) -> Array:
-    """Return ``theta x (theta x s)`` of the tied nodes (k d, n, n), s from the reference point.
+    """Return ``theta x (theta x s)`` (k d, n, n) of tied nodes at s from the reference point.
 
     This is the second-order displacement of the tied nodes in a finite rotation of the reference
     node.
@@ -181,7 +180,7 @@ def _turned(part: Part, tie: Tie, X: Array) -> Array:
 
 
 def _affine(rigid: Array, part: Part) -> Array:
-    """Return the coefficients (12, 6) of rigid motions ``a + b x x`` as affine fields."""
+    """Return the coefficients (12, 6) of rigid motions ``a + b x r`` as affine fields."""
     a, b = np.split(np.linalg.lstsq(part.rigid_modes(), rigid, rcond=None)[0], 2)
     out = np.zeros((12, 6))
     out[:3] = a

@@ -39,10 +39,10 @@ class StressModes:
         Strain ``[e11 e22 e33 g12 g23 g13]`` from stress at each site, 1/Pa, in the axes of the
         site: for anisotropic materials.
     nodes : (ns,) int array, optional
-        Node of the body at each site, -1 for none. Several sites may belong to one node: the points
-        of a beam section, or the materials that meet at a node.
+        Node of the body at each site, -1 for none. Several sites may belong to one node, such as
+        the points of a beam section, or one site per material at a node.
     sets : mapping of str to (k,) int array
-        Named groups of sites, by index: those at the nodes of a node set.
+        Named groups of sites, by index; each group contains the sites at the nodes of a node set.
     residual : ResidualStress, optional
         Stress outside of the modes.
     scatter : (ns, r, n) array, optional

@@ -57,9 +57,9 @@ class ReductionCache:
     Parameters
     ----------
     folder : path, optional
-        Folder of the cache. None for the folder in the environment variable `JOUSTO_CACHE`, or the
-        cache folder of the user (``~/.cache/jousto/reductions`` on Linux). Other files in the
-        folder are never changed.
+        Folder of the cache. With None it is the folder in the environment variable `JOUSTO_CACHE`
+        or, without it, the cache folder of the user (``~/.cache/jousto/reductions`` on Linux).
+        Other files in the folder are never changed.
     limit : float
         Largest total size, bytes; above it the least recently used reductions are removed.
 
@@ -147,7 +147,7 @@ class Entry:
         try:
             reduced = ReducedPart.load(path)
         except InputError:
-            # damaged, or of another version: compute again
+            # the file is damaged or of another version: compute again
             with contextlib.suppress(OSError):
                 path.unlink()
             return None
@@ -166,7 +166,7 @@ class Entry:
             self._give_up(error)
             return
         for path in _files(self.folder):
-            # names with a leading dot are being written by another thread or process
+            # files whose names begin with a dot are being written by another thread or process
             if path.suffix == ".npz" and not path.name.startswith("."):
                 with contextlib.suppress(OSError):
                     path.unlink()
@@ -213,7 +213,7 @@ class Entry:
 
 
 def choose(cache: ReductionCache | Path | str | bool | None, size: int) -> ReductionCache | None:
-    """Return the cache for a part of `size` degrees of freedom, see `reduce`; None for none."""
+    """Return the cache for a part of `size` degrees of freedom, see `reduce`; None for no cache."""
     if cache is None:
         return ReductionCache() if size >= AUTOMATIC else None
     if isinstance(cache, bool):
@@ -294,7 +294,7 @@ def _add(digest: Any, thing: object, instead: Callable[[Any], object] | None) ->
 
 
 def _is_ours(folder: Path) -> bool:
-    """Return whether a folder is a cached reduction: its name and all its files."""
+    """Return whether a folder is a cached reduction, by its name and all its files."""
     if not ENTRY.fullmatch(folder.name) or folder.is_symlink() or not folder.is_dir():
         return False
     try:
@@ -315,7 +315,7 @@ def _files(folder: Path) -> list[Path]:
 
 
 def _remove(folder: Path) -> None:
-    """Remove the cache files of a reduction, and its folder if it is empty then."""
+    """Remove the cache files of a reduction, and its folder if nothing else is in it."""
     for path in _files(folder):
         with contextlib.suppress(OSError):
             path.unlink()

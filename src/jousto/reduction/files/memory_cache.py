@@ -1,4 +1,4 @@
-"""Cache of reductions in memory, for many variants of a model, with their input as key."""
+"""Cache of reductions in memory, with their input as key, for many variants of a model."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MOST = 64
 
 
 class Recalled:
-    """Reduced parts by the content of their input.
+    """Reduced parts in memory, by the content of their input.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ _CURRENT: ContextVar[Recalled | None] = ContextVar("recalled", default=None)
 
 
 def current() -> Recalled | None:
-    """Return the active cache, None outside of `recalling`."""
+    """Return the active cache; None outside of `recalling`."""
     return _CURRENT.get()
 
 

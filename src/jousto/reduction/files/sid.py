@@ -48,7 +48,7 @@ class Block:
     M1: Array | None = None
 
     def begin(self) -> str:
-        """Allocate the matrices after the header of the block; return what is wrong with it."""
+        """Allocate the matrices after the header of the block; return a problem with the header."""
         missing = [key for key in HEAD if key not in self.head]
         if missing:
             return f"lacks {', '.join(missing)}"
@@ -63,7 +63,7 @@ class Block:
         return ""
 
     def put(self, which: str, place: tuple[int, ...], value: float) -> str:
-        """Set an entry of a matrix; return what is wrong with its indices."""
+        """Set an entry of a matrix; return a problem with its indices."""
         if which == "mn":
             return ""
         if (which == "m0") != (len(place) == 2):
@@ -103,16 +103,16 @@ def load_sid(path: Path, kind: type[P], versions: Mapping[str, str]) -> P:
     """Return a flexible body from standard input data (.sid, .SID_FEM).
 
     The integrals are those of Wallrapp (Mech. Struct. Mach. 22, 1994), as in `write_sid`; modes
-    that are not orthonormal are replaced by those of ``Ke x = omega^2 Me x``. Gr of first order
-    contains the change of inertia with products of modal coordinates; without Gr this change and
-    stiffening are left out. Stiffening follows from Oe and the shapes of the nodes, if both have
-    first order.
+    that are not orthonormal are replaced by the solutions of ``Ke x = omega^2 Me x``. Gr of first
+    order contains the change of inertia with products of modal coordinates; without Gr this change
+    and stiffening are left out. Stiffening follows from Oe and the node shapes, if both have
+    first-order terms.
 
-    Such files contain no modal stress, but damping (De): ``provenance["damping ratios"]`` has the
+    Such files contain damping (De) but no modal stress: ``provenance["damping ratios"]`` has the
     ratios of the modes, for `FlexibleBody(damping=)`.
 
-    Node sets are ``node1``, ... by the numbers of the file, and the names behind "!" in files of
-    `write_sid`.
+    Node sets are ``node1`` and so on, by the numbers in the file, and the names after "!" in files
+    of `write_sid`.
 
     Raises
     ------
@@ -314,7 +314,7 @@ def _of_nodes(found: Text, name: str) -> list[Block]:
 
 
 def _some(block: Block | None, order: int) -> bool:
-    """Return whether a block has nonzero numbers of an order."""
+    """Return whether a block has nonzero numbers in the terms of an order."""
     matrix = None if block is None else (block.M1 if order else block.M0)
     return matrix is not None and bool(np.any(matrix))
 
@@ -391,7 +391,7 @@ def _invariants(found: Text, where: str) -> Invariants:
 
 
 def _stiffening(found: Text, inertia: Invariants, X: Array) -> Stiffening | None:
-    """Return second-order displacements, if node shapes and Oe have the first order."""
+    """Return second-order displacements, if node shapes and Oe have first-order terms."""
     fields: dict[str, Any] = {}
     for name in ("phi", "psi"):
         ones = [node.blocks[name].M1 if name in node.blocks else None for node in found.nodes]

@@ -84,7 +84,7 @@ def save(part: Content, path: Path) -> None:
         file.attrs["format"] = FORMAT
         file.attrs["version"] = VERSION
         file.attrs["checksum"] = _checksum(header, arrays)
-        # bytes, for any length and any character
+        # stored as bytes, for any length and any characters
         file["header"] = np.frombuffer(header.encode(), dtype=np.uint8)
         for key, array in arrays.items():
             dataset = file.create_dataset(key, data=array)

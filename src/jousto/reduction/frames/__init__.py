@@ -1,1 +1,1 @@
-"""Reference conditions: the motion of the frame of a flexible body relative to its deformation."""
+"""Reference conditions, which define the frame of a flexible body relative to its deformation."""

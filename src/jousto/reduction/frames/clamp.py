@@ -1,4 +1,4 @@
-"""clamp, in_frame: a part held at nodes; the same flexible body relative to another frame."""
+"""clamp, in_frame: a part held by supports; a flexible body relative to another frame."""
 
 from __future__ import annotations
 
@@ -51,8 +51,8 @@ def clamp(part: Any, supports: Any, *, solver: str | None = None) -> ReducedPart
     part : Part or ReducedPart
         The part. Supports of a reduced part are on its interfaces.
     supports : str, Clamp, SpringSupport or sequence of them
-        What holds it. The name of a node or set holds all its directions. Supports may be
-        statically indeterminate.
+        Supports of the part. The name of a node or set stands for a clamp in all its directions.
+        Supports may be statically indeterminate.
     solver : str, optional
         Library that factorises the stiffness of a full part, see `solvers`.
 
@@ -64,10 +64,10 @@ def clamp(part: Any, supports: Any, *, solver: str | None = None) -> ReducedPart
     Raises
     ------
     InputError
-        With all problems: unknown nodes, directions that nodes have not, directions of a node that
-        two clamps hold, nodes of a reduced part that are no interfaces; a part that is clamped
-        already; and rigid motions that no support holds, or only by springs below the rounding of
-        the stiffness of the part, by name.
+        With all problems: unknown nodes, directions that a node does not have or that two clamps
+        hold, nodes of a reduced part that are not interfaces, a part that is already clamped. Also
+        if no support holds a rigid motion, or only springs below the rounding error of the
+        stiffness of the part; the message contains its name.
 
     Examples
     --------
@@ -114,7 +114,7 @@ def clamp(part: Any, supports: Any, *, solver: str | None = None) -> ReducedPart
 
 
 def _clamped_again(part: ReducedPart, supports: Any) -> Problem:
-    """Return the error for a part whose modes belong to the frame of a clamped node."""
+    """Return the error for a part whose modes belong to the frame of a clamped node already."""
     first = part.provenance[CLAMPED]
     given = [supports] if isinstance(supports, str | Support) else supports
     further = given if isinstance(given, list | tuple) else ()
@@ -133,9 +133,9 @@ def in_frame(reduced: ReducedPart, frame: Frame) -> ReducedPart:
 
     The motion of the frame in each mode is subtracted, ``phi'_j = phi_j - t_j - theta_j x u0``,
     with t its translation at the origin and theta its rotation. The modes are then orthonormalised
-    with their new mass, ``K V = M' V diag(omega^2)``. The possible deformations and their stress do
-    not change, only the motion of the frame relative to the body does. Stiffening is transformed to
-    second order with the finite rotation ``exp(theta~)`` of the frame.
+    with their new mass, ``K V = M' V diag(omega^2)``. The possible deformations and their stress
+    remain the same; only the motion of the frame relative to the body changes. Stiffening is
+    transformed to second order with the finite rotation ``exp(theta~)`` of the frame.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def seen_from(reduced: ReducedPart, t: Array, turn: Array, frame: Frame) -> Redu
     ----------
     reduced : ReducedPart
     t, turn : (3, n) array
-        Translation of the frame's point at the origin and rotation in each mode, part frame.
+        Translation at the origin, and rotation, of the frame in each mode, part frame.
     frame : Frame Reference condition, for the provenance.
     """
     where = f"reduced part '{reduced.name}'"
@@ -216,13 +216,13 @@ def seen_from(reduced: ReducedPart, t: Array, turn: Array, frame: Frame) -> Redu
 
 
 def by_mean_axes(reduced: ReducedPart) -> ReducedPart:
-    """Return the part relative to its mean axes, as created by `reduce` without a frame."""
+    """Return the part relative to its mean axes, the default of `reduce`."""
     return in_frame(reduced, MeanFrame()) if "frame" in reduced.provenance else reduced
 
 
 @singledispatch
 def followed(frame: object, reduced: ReducedPart) -> tuple[Array, Array]:
-    """Return the translation at the origin and the rotation (3, n) of a frame in each mode."""
+    """Return the motion of a frame in each mode: translation at the origin and rotation (3, n)."""
     message = f"frame is {frame!r}, must be MeanFrame(), NodeFrame(...) or ChordFrame(...)"
     raise InputError(Problem(f"reduced part '{reduced.name}'", message))
 

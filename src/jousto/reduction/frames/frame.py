@@ -41,8 +41,9 @@ class NodeFrame(Frame, tag="node"):
 class ChordFrame(Frame, tag="chord"):
     """Frame with its origin at a node and an axis through another node.
 
-    ``Phi = 0`` at the first and ``e x Phi = 0`` at the second, e the unit vector from one to the
-    other; the rotation about this axis is that of the first of the two nodes with rotations.
+    ``Phi = 0`` at the first node and ``e x Phi = 0`` at the second, where e is the unit vector from
+    the first to the second. The rotation about this axis is that of the first node or, if it has no
+    rotations, of the second.
 
     Raises
     ------
@@ -67,8 +68,8 @@ class ChordFrame(Frame, tag="chord"):
 class AsGiven(Frame, tag="as-given"):
     """Frame implied by shape functions, which remain unchanged.
 
-    Functions clamped at an end imply the frame of that node, functions pinned at both ends the
-    chord. For `ShapeFunctions` only, since modes of the mesh refer to mean axes.
+    Functions clamped at an end imply the frame of that node; functions pinned at both ends imply
+    the chord. For `ShapeFunctions` only, since modes of the mesh refer to mean axes.
 
     Examples
     --------

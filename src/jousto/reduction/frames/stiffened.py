@@ -1,4 +1,4 @@
-"""stiffened: second-order displacements for a part that was reduced without them."""
+"""stiffened: adds second-order displacements to a part that was reduced without them."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _MADE: WeakKeyDictionary[ReducedPart, ReducedPart] = WeakKeyDictionary()
 def stiffened(reduced: ReducedPart) -> ReducedPart:
     """Return the same modes with their second-order displacements, computed once per part.
 
-    They equal those of ``reduce(..., stiffening=True)``: of the modes in mean axes, transformed to
-    the frame of the part.
+    The displacements equal those of ``reduce(..., stiffening=True)``. They are computed in mean
+    axes and transformed to the frame of the part.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""same_motion: the state of a body in the coordinates of another reference condition."""
+"""same_motion: converts the state of a body to another reference condition."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SPANNED = 1e-6
 def same_motion(
     old: ReducedPart, new: ReducedPart, q: ArrayLike, v: ArrayLike
 ) -> tuple[Array, Array]:
-    """Return the coordinates and velocities of a body in another of its frames.
+    """Return the coordinates and velocities of a body relative to another of its frames.
 
     With ``phi_j = sum_k phi'_k T_kj + t_j + theta_j x u0``: ``R' = R + A t p``,
     ``A' = A exp(theta p~)``, ``p' = T p`` and their time derivatives. All nodes then have the same
@@ -78,7 +78,7 @@ def same_motion(
 
 
 def relative_motion(old: ReducedPart, new: ReducedPart, where: str) -> tuple[Array, Array, Array]:
-    """Return t, theta (3, n) and T (n', n) of the old modes in terms of the new ones."""
+    """Return t, theta (3, n) and T (n', n), which express the old modes by the new ones."""
     same = old.nodes.shape == new.nodes.shape and np.allclose(old.nodes, new.nodes)
     if not same:
         raise InputError(Problem(where, f"has other nodes than reduced part '{old.name}'"))
@@ -108,7 +108,7 @@ def relative_motion(old: ReducedPart, new: ReducedPart, where: str) -> tuple[Arr
 
 
 def _turning(turn: Array) -> Array:
-    """Return the matrix from a rotation vector's rate to the angular velocity, rotated frame."""
+    """Return the matrix from the rate of a rotation vector to angular velocity, rotated frame."""
     a, W = float(np.linalg.norm(turn)), skew(turn)
     b = 0.5 * np.sinc(a / (2.0 * np.pi)) ** 2
     c = 1.0 / 6.0 - a**2 / 120.0 if a < 1e-2 else (a - np.sin(a)) / a**3

@@ -1,8 +1,8 @@
 """Eigenproblems in flexibility form, ``M y = mu K y``, exact for massless degrees of freedom.
 
 Vibration modes solve ``K y = omega^2 M y``. A lumped mass matrix without rotary inertia is
-singular, so K and M are exchanged: K is positive definite for a supported body, and ``mu = 1 /
-omega^2`` is zero for motions without mass, which are left out.
+singular, so the roles of K and M are exchanged: K is positive definite for a supported body, and
+``mu = 1 / omega^2`` is zero for motions without mass, which are left out.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ class Flexibility:
     solve : Solver or None
         Solver with B; None for problems small enough for dense matrices.
     explicit : callable, optional
-        The same body in coordinates for dense matrices, needed if B is definite only in the
-        subspace of `solve`.
+        The same body in coordinates for dense matrices; needed if B is positive definite only
+        within the subspace of `solve`.
     """
 
     size: int
@@ -82,7 +82,7 @@ def spectrum(
     report: Callable[[float], None] | None = None,
     massless: bool = False,
 ) -> tuple[Array, Array]:
-    """Solve ``X0^T M X0 y = mu B y`` for at least the requested softest modes.
+    """Solve ``X0^T M X0 y = mu B y`` for at least the requested number of softest modes.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ DIRECTION_WEIGHTS = np.array([1.0, 2.0, 4.37, 10.1, 13.3, 17.9])
 def canonical(
     mu: Array, X: Array, M: sp.csr_array, dofs_per_node: int, length: float
 ) -> tuple[Array, Array]:
-    """Make modes of equal frequency and all signs unique.
+    """Make modes of equal frequency unique, and the signs of all modes.
 
     Within a cluster the modes are rotated such that they diagonalise the kinetic energy weighted by
     direction, ``sum_a w_a (D_a X)^T M (D_a X)``: the two bending modes of a square beam become
@@ -265,10 +265,10 @@ def canonical(
 
 
 def settled(X: Array, dofs_per_node: int, length: float) -> Array:
-    """Make motions without mass unique, like `canonical`, by their displacements.
+    """Make motions without mass unique by their displacements, like `canonical`.
 
     They are rotated such that they diagonalise ``sum_a w_a (D_a X)^T (D_a X)``, rotations times the
-    size of the body; ``X^T K X = E`` stays.
+    size of the body; ``X^T K X = E`` remains valid.
     """
     kind = np.arange(X.shape[0]) % dofs_per_node
     weights = DIRECTION_WEIGHTS[kind] * np.where(kind < 3, 1.0, length**2)

@@ -30,7 +30,7 @@ HELD = 1e-7
 
 
 class Inside:
-    """Interior of a part: its coordinates with fixed interfaces.
+    """Interior of a part: its free coordinates if the interfaces are fixed.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class Inside:
     K : (ndof, ndof) sparse array
         Stiffness of the part.
     factorise : callable
-        ``(matrix, name of an unknown, places of the unknowns) -> solve``.
+        Function ``(matrix, name of an unknown, positions of the unknowns) -> solve``.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class Inside:
         self.K_II = sp.csc_array(K_I[:, inside])
         self.K_IB, self.K_BB = K_T[inside], sp.csr_array(held.T @ K_T)
         self.C = sp.csr_array(b.C[:, self.rows])
-        # rigid motions left free by the fixed coordinates, removed by as many pins
+        # as many pins remove the rigid motions that the fixed coordinates leave free
         rest = rigid_left(z.rigid[b.held])
         self._N = z.motions[self.rows] @ rest
         self._free = np.arange(len(self.rows))
@@ -116,7 +116,7 @@ class Inside:
         return y - self._W @ self._small(np.concatenate([self.C @ y, self._N.T @ f]))
 
     def constraint_modes(self) -> tuple[Array, Array]:
-        """Return the interior (ni, nb + na) for unit motions of the interfaces, and the stiffness.
+        """Return interior displacements (ni, nb + na) for unit interface motions, and stiffness.
 
         ``Phi_C = [-F K_IB, U]`` with U for the averages, ``K_C = Phi^T K Phi``.
         """
@@ -139,7 +139,7 @@ class Inside:
         return self.z.gather(f)[self.rows]
 
     def problem(self) -> eigen.Flexibility:
-        """Return the eigenproblem of the interior."""
+        """Return the eigenproblem of the interior as a `Flexibility`."""
         explicit = self._explicit if self.C.shape[0] else None
         return eigen.Flexibility(
             len(self.rows), self.spread, self.gather, self.K_II, self.solve, explicit
@@ -178,7 +178,7 @@ def _solver(S: Array) -> Callable[[Array], Array]:
 
 
 def rigid_left(R: Array) -> Array:
-    """Return the combinations (6, r) of rigid motions that leave coordinates with rows R at zero.
+    """Return the combinations (6, r) of rigid motions that are zero in the coordinates with rows R.
 
     Examples
     --------
@@ -194,7 +194,7 @@ def rigid_left(R: Array) -> Array:
 
 
 def determinate(R: Array, candidates: Index | None = None) -> Index | None:
-    """Return six coordinates with rigid motions R that fix the body, or None.
+    """Return six coordinates, with rigid motions R, that fix the body; None if there are none.
 
     They are chosen by pivoted QR, so that the supports are as independent as possible.
     """
@@ -209,7 +209,7 @@ def determinate(R: Array, candidates: Index | None = None) -> Index | None:
 
 
 def cannot_hold(part_name: str, names: tuple[str, ...], nodes: int, d: int) -> InputError:
-    """Return the error for interfaces that do not fix the body."""
+    """Return the error for interfaces that do not fix all rigid motions of the body."""
     return InputError(
         Problem(
             f"part '{part_name}'",

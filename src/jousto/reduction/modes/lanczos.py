@@ -1,4 +1,4 @@
-"""Block Lanczos iteration for the softest modes of a supported body.
+"""Block Lanczos iteration for the lowest modes of a supported body.
 
 The flexibility form ``A y = mu B y`` with ``mu = 1 / omega^2`` is used: the operator
 ``B^-1 A`` is symmetric in the inner product of B, and its largest eigenvalues, the lowest
@@ -54,7 +54,7 @@ SMALL = 1e-9
 
 @dataclass(eq=False)
 class _Basis:
-    """Orthonormal columns ``Q^T B Q = E``, their products BQ, and ``T = Q^T A Q``."""
+    """Orthonormal columns ``Q^T B Q = E`` with the products BQ and ``T = Q^T A Q``."""
 
     Q: Array
     BQ: Array
@@ -83,7 +83,7 @@ def lanczos(
     Block Lanczos with full orthogonalisation, thick restart (with the best vectors when the basis
     is full), and a final projection that removes rounding errors. If the multiplicity of a
     frequency reaches the number of columns of a block, the iteration is repeated with wider blocks.
-    It continues as long as residuals decrease.
+    The iteration continues as long as the residuals decrease.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def lanczos(
     Raises
     ------
     InputError
-        If it does not converge.
+        If the iteration does not converge.
     """
     width = BLOCK
     while True:
@@ -120,7 +120,7 @@ def lanczos(
 
 
 def _equal(mu: Array) -> int:
-    """Return the largest number of equal neighbours."""
+    """Return the size of the largest group of equal neighbours."""
     ends = np.flatnonzero(np.abs(np.diff(mu)) > CLUSTER * np.abs(mu[:-1])) + 1
     return int(np.diff(np.r_[0, ends, len(mu)]).max(initial=0))
 
@@ -206,16 +206,16 @@ def _require(found: int, count: int, where: str) -> None:
 def _orthonormal(
     basis: _Basis, W: Array, B: Array | sp.csc_array | sp.csr_array, before: Array
 ) -> tuple[Array, Array, Array]:
-    """Return W orthonormal to the basis and in itself, B W, and R with ``W_given = W R``.
+    """Return W made orthonormal to the basis and in itself, B W, and R with ``W_given = W R``.
 
     Columns whose remainder is at round-off level are left out, since they depend on the basis.
     """
     Q, BQ = basis.columns()
-    # repeat if little is left, since the remainder then contains round-off
+    # repeat if little remains, since the remainder then contains round-off
     for _ in range(3 if basis.size else 0):
         C = BQ.T @ W
         W -= Q @ C
-        # in the norm of B the columns of Q C have the lengths of those of C
+        # in the norm of B, the columns of Q C have the same lengths as the columns of C
         if np.all(np.linalg.norm(C, axis=0) < SMALL * before):
             break
     # explicit product, since errors of a recurrence would grow from block to block
@@ -249,7 +249,7 @@ def _restart(basis: _Basis, mu: Array, S: Array, keep: int) -> None:
 def _projected(
     apply: Apply, B: Array | sp.csc_array | sp.csr_array, Y: Array
 ) -> tuple[Array, Array]:
-    """Return the solution within the span of Y, with explicit products."""
+    """Return the solution within the span of Y; products with A and B are computed explicitly."""
     A_Y, B_Y = Y.T @ apply(Y), Y.T @ np.asarray(B @ Y)
     mu, S = scipy.linalg.eigh(0.5 * (A_Y + A_Y.T), 0.5 * (B_Y + B_Y.T))
     return mu[::-1], Y @ S[:, ::-1]

@@ -48,9 +48,9 @@ def craig_bampton_basis(
 ) -> eigen.Flexibility:
     """Return constraint modes, fixed-interface modes and residual vectors, fixed at six motions.
 
-    The coordinates are z of ``u = T z``, left free by rigid ties. Fixed-interface modes and
-    residual vectors have unit stiffness, so that the reduced stiffness consists of that of the
-    constraint modes and E.
+    The vectors are in the coordinates z of ``u = T z``, which rigid ties leave free.
+    Fixed-interface modes and residual vectors have unit stiffness, so that the reduced stiffness
+    consists of the stiffness of the constraint modes and the identity E.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def craig_bampton_basis(
 def fixed_modes(
     part: Part, M: sp.csr_array, inside: Inside, method: CraigBampton, report: Report
 ) -> tuple[Array, Array]:
-    """Return ``1 / omega^2`` and the modes with fixed interfaces, of unit stiffness."""
+    """Return ``1 / omega^2`` and the fixed-interface modes, with unit stiffness."""
     where = f"part '{part.name}'"
     mu, full = eigen.spectrum(
         inside.problem(),
@@ -137,7 +137,7 @@ def fixed_modes(
 
 
 def whole_part_basis(part: Part, K: sp.csr_array, run: Run | None = None) -> eigen.Flexibility:
-    """Return all displacements compatible with the rigid ties of the part, fixed at six motions.
+    """Return all displacements of a part fixed at six motions that satisfy its rigid ties.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Inertia relief: static response of a free part balanced by its own acceleration."""
+"""Inertia relief: static response of a free part whose own acceleration balances the loads."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class InertiaRelief:
     Parameters
     ----------
     accelerations : (6, m) array
-        Rigid-body acceleration: of the origin of the part frame in m/s2, and angular acceleration
-        in rad/s2, part axes.
+        Rigid-body acceleration: acceleration of the origin of the part frame in m/s2, and angular
+        acceleration in rad/s2, part axes.
     loads : (ndof, m) array
         Balanced loads minus inertia forces, N and N m.
     displacements : (ndof, m) array
@@ -72,8 +72,8 @@ def inertia_relief(part: Part, loads: ArrayLike) -> InertiaRelief:
 
     Examples
     --------
-    A transverse force at the end of a free beam rotates it about its centre: its start
-    accelerates by -2 F/m, its end by 4 F/m.
+    A transverse force at the end of a free beam rotates it about its centre: its start accelerates
+    with -2 F/m, its end with 4 F/m.
 
     >>> from jousto import Material, Rectangle
     >>> beam = Part.beam(1.0, Rectangle(0.02, 0.01), 20, Material(210e9, 0.3, 7850.0))
@@ -113,7 +113,7 @@ def response(F: Array, basis: Flexibility, rigid: RigidBasis) -> Array:
 
 
 def free_loads(part: Part, method: FreeFree | ShapeFunctions) -> Array:
-    """Return the loads of attachment modes and residuals of a free part, (ndof, m)."""
+    """Return the loads (ndof, m) for attachment modes and residuals of a free part."""
     residual = residual_loads(part, method.residuals)
     if not method.interfaces:
         return residual
@@ -121,7 +121,7 @@ def free_loads(part: Part, method: FreeFree | ShapeFunctions) -> Array:
 
 
 def unit_loads(part: Part, interfaces: tuple[str, ...]) -> Array:
-    """Return unit forces and moments on interfaces or the nodes of node sets, (ndof, m)."""
+    """Return unit forces and moments (ndof, m) on interfaces or on the nodes of node sets."""
     boundary(part, coordinates(part), interfaces)
     ties = {tie.name: tie for tie in part.ties}
     columns = []

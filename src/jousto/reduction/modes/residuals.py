@@ -21,7 +21,7 @@ NEW = 1e-9
 
 
 class Pattern:
-    """Nodal loads (ndof, m) of a method, compared and displayed by their content.
+    """Nodal loads (ndof, m) of a method, which are compared and displayed by their content.
 
     Parameters
     ----------
@@ -83,9 +83,9 @@ def read_residuals(where: str, given: Any, problems: Problems) -> tuple[Pattern 
 def residual_loads(part: Part, residuals: tuple[Pattern | str, ...]) -> Array:
     """Return the loads (ndof, m) of residuals on a part.
 
-    The load of a stress site is its adjoint: ``s = S u`` is exact for the response u to every load
-    if the basis contains the response to ``S^T``, since ``S u`` is their inner product in strain
-    energy.
+    The load for a stress site is the adjoint of its stress: ``s = S u`` is exact for the response u
+    to every load if the basis contains the response to ``S^T``, since ``S u`` is their inner
+    product in strain energy.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def residual_loads(part: Part, residuals: tuple[Pattern | str, ...]) -> Array:
 
 
 def residual_vectors(responses: Array, loads: Array, basis: Array, K: sp.csr_array) -> Array:
-    """Return the independent parts of static responses, orthonormal in strain energy.
+    """Return the parts of static responses independent of a basis, orthonormal in strain energy.
 
     Parameters
     ----------
@@ -139,8 +139,8 @@ def residual_vectors(responses: Array, loads: Array, basis: Array, K: sp.csr_arr
     (n, r) array
         X with ``X^T K X = E`` and ``basis^T K X = 0``, at most one column per response.
     """
-    # a load carried by the interfaces has a response of rounding size: compare it with the load's
-    # own effect where it acts
+    # a load on the interfaces has a response of rounding size: compare the response with the effect
+    # of the load where it acts
     diagonal = K.diagonal()
     near = np.einsum("ij,i,ij->j", loads, 1.0 / np.where(diagonal > 0.0, diagonal, np.inf), loads)
     norm = np.sqrt(np.maximum(np.einsum("ij,ij->j", loads, responses), near))

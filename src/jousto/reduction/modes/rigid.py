@@ -1,4 +1,4 @@
-"""Rigid motions of a free body: the modes, their removal, and the check that K has them free."""
+"""Rigid motions of a free body: the modes, their removal, and the check that K leaves them free."""
 
 from __future__ import annotations
 
@@ -74,7 +74,8 @@ def check_stiffness_is_free(K: sp.csr_array, nodes: Array, dofs_per_node: int, w
     R[:, 3:] /= length_scale(nodes)
     force = np.abs(K @ R)
     cancelling = abs(K) @ np.abs(R)
-    # rows hardly affected by one motion contain rounding only: compare with the other motions
+    # rows that a motion hardly affects contain only rounding errors: compare them with the other
+    # motions
     floor = 1e-3 * cancelling.max(axis=1, keepdims=True)
     ratio = force / np.maximum(np.maximum(cancelling, floor), np.finfo(float).tiny)
     row, column = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
@@ -96,7 +97,7 @@ def check_stiffness_is_free(K: sp.csr_array, nodes: Array, dofs_per_node: int, w
 
 @dataclass(frozen=True, eq=False)
 class RigidBasis:
-    """Mass-orthonormal rigid motions, ``R^T M R = E``.
+    """Mass-orthonormal rigid motions R, ``R^T M R = E``.
 
     Parameters
     ----------
@@ -122,8 +123,8 @@ def mass_orthonormal_rigid_modes(
 ) -> RigidBasis:
     """Return the rigid motions orthonormal with respect to M.
 
-    They are formed about the centre of mass along the principal axes, so that a moment of inertia
-    far below the others (a slender body about its axis) keeps its digits.
+    The rotations are about the principal axes through the centre of mass, so that a moment of
+    inertia far below the others (a slender body about its axis) is computed accurately.
 
     Raises
     ------

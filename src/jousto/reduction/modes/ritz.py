@@ -1,4 +1,4 @@
-"""Ritz bases: independent shape functions at the nodes, without rigid motion, of unit energy."""
+"""Ritz bases: independent shape functions at the nodes, without rigid motion, with unit energy."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def ritz(part: Part, K: sp.csr_array, rigid: RigidBasis, functions: tuple[Any, .
 
 
 def _less(x: Array, basis: Array, dual: Array) -> Array:
-    """Return the part of x outside of the basis; computed twice for accuracy."""
+    """Return the part of x outside of the basis, with two projections for accuracy."""
     for _ in range(2):
         x = x - basis @ (dual.T @ x)
     return x
@@ -120,7 +120,7 @@ def _root(e: Array, K: sp.csr_array) -> float:
 def _at_nodes(
     part: Part, K: sp.csr_array, functions: tuple[Any, ...]
 ) -> tuple[list[str], Array, list[int]]:
-    """Return names, displacements (ndof, m), and the function of each column."""
+    """Return names, displacements (ndof, m), and the index of the function of each column."""
     names: list[str] = []
     family: list[int] = []
     found: list[Array] = []

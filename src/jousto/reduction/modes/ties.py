@@ -1,4 +1,4 @@
-"""Coordinates left free by the rigid ties of a part, and its interface coordinates."""
+"""Coordinates that the rigid ties of a part leave free, and its interface coordinates."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Coordinates:
-    """Coordinates z of the motions left free by the rigid ties of a part, ``u = T z``.
+    """Coordinates z of the motions that the rigid ties of a part leave free, ``u = T z``.
 
-    They are the degrees of freedom of the nodes that are not tied, in their order, and six of each
-    rigid tie's reference node ``[u, theta]``. Without rigid ties z is u.
+    They are the degrees of freedom of the nodes that are not tied, in their order, and six
+    coordinates ``[u, theta]`` of the reference node of each rigid tie. Without rigid ties z is u.
 
     Parameters
     ----------
     T : (ndof, nz) sparse array or None
         None without rigid ties.
     rigid : (nz, 6) array
-        Rigid motions of z, rotations about the mean of the nodes and divided by the body's size,
-        rows of rotations multiplied by it.
+        Rigid motions of z. Columns of rotations are about the mean of the nodes and divided by the
+        body's size; rows of rotations are multiplied by it.
     nodes, kinds : (nz,) array
         Node of each z, or -1 - number of the rigid tie; and direction 0..5.
     names : tuple of str
@@ -66,7 +66,7 @@ class Coordinates:
 
     @property
     def dof(self) -> Index:
-        """Degree of freedom of each coordinate (nz,), -1 for those of reference nodes."""
+        """Degree of freedom of each coordinate (nz,); -1 for coordinates of reference nodes."""
         out = np.full(self.size, -1, dtype=np.intp)
         kept = np.flatnonzero(self.of_dof >= 0)
         out[self.of_dof[kept]] = kept
@@ -95,7 +95,7 @@ class Coordinates:
         return f if self.T is None else np.asarray(self.T.T @ f)
 
     def label(self, z: int) -> str:
-        """Return a name for messages, ``node2 uz``, nodes counted from 1."""
+        """Return a name for messages, such as ``node2 uz``, with nodes counted from 1."""
         kind = ("ux", "uy", "uz", "rx", "ry", "rz")[int(self.kinds[z])]
         node = int(self.nodes[z])
         return f"{f'node{node + 1}' if node >= 0 else self.names[-1 - node]} {kind}"
@@ -170,12 +170,12 @@ def embedded(y: Array, rows: Index, size: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """Interfaces of a reduction: coordinates with given motion, and averages with given motion.
+    """Interfaces of a reduction: coordinates and averages whose motion is given.
 
     Parameters
     ----------
     held : (nb,) array
-        Coordinates z of nodes and rigid ties, ascending.
+        Indices of the coordinates z of nodes and rigid ties, ascending.
     C : (na, nz) sparse array
         Averages, six rows for each averaging tie.
     rigid : (nb + na, 6) array
@@ -259,7 +259,7 @@ def interface_names(part: Part, given: tuple[str, ...]) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        If none is requested and the part has none.
+        If no interface is requested and the part has none.
     """
     names = given or tuple(tie.name for tie in part.ties)
     if not names:

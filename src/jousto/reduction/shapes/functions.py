@@ -1,4 +1,4 @@
-"""Families of shape functions: their base, and functions of the user."""
+"""Families of shape functions: their base class, and functions of the user."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ Form = Callable[[Array], Any]
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Displacements of the nodes in several functions.
+    """Displacements of the nodes for several functions.
 
     Parameters
     ----------
     names : tuple of str
         Names of the functions in messages.
     values : (nn, d, m) array
-        Translations, and rotations where d = 6. Any unit, since only shapes matter.
+        Translations, also rotations if d = 6, in any unit, since only shapes matter.
     turned : bool
-        Whether rotations are given; if not, those of minimal strain energy are used.
+        Whether rotations are given; if not, the rotations with minimal strain energy are used.
     """
 
     names: tuple[str, ...]
@@ -54,7 +54,7 @@ class Family(Declared, section="shape functions", by_value=True):
 
 
 class Given:
-    """Function of position given by the user, or displacements by nodes, as part of a method.
+    """Function of position given by the user, or displacements of nodes, as part of a method.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ Curve = Callable[[Array, int], Array]
 def characteristic(ends: str) -> Callable[[float], float]:
     """Return the characteristic function of beta L for the ends of a beam; its zeros are the roots.
 
-    It is divided by cosh if it grows, so that zeros of high order keep their digits.
+    It is divided by cosh if it grows, so that zeros of high order are accurate.
     """
     return {
         "clamped-free": lambda x: float(np.cos(x) + 1.0 / np.cosh(x)),
@@ -55,7 +55,7 @@ def characteristic(ends: str) -> Callable[[float], float]:
 
 @cache
 def root(ends: str, k: int) -> float:
-    """Return beta L of the k-th elastic eigenfunction of a beam, k from 1.
+    """Return beta L of the k-th elastic eigenfunction of a beam, with k counted from 1.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def root(ends: str, k: int) -> float:
 
 @cache
 def _coefficients(ends: str, k: int) -> Array:
-    """Return coefficients of ``exp(b (x - 1)), exp(-b x), cos b x, sin b x``, unit mean square."""
+    """Return coefficients of ``exp(b (x - 1)), exp(-b x), cos b x, sin b x``; unit mean square."""
     b = root(ends, k)
     rows = []
     for end, at in zip(ends.split("-"), (0.0, 1.0), strict=True):
@@ -97,7 +97,7 @@ def _terms(b: float, x: Array, order: int) -> Array:
 def eigenfunction(ends: str, k: int, x: Array, order: int = 0) -> Array:
     """Return a derivative of an eigenfunction of an Euler-Bernoulli beam.
 
-    ``w'''' = (beta L)^4 w`` over ``x`` from 0 to 1, ``int w^2 dx = 1``.
+    ``w'''' = (beta L)^4 w`` for ``x`` from 0 to 1, with ``int w^2 dx = 1``.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def eigenfunction(ends: str, k: int, x: Array, order: int = 0) -> Array:
 
 
 class LineFamily(Family):
-    """Functions of the position along an axis of the part, in bending, stretch and twist."""
+    """Functions of the position along an axis of the part, for bending, stretch and twist."""
 
     axis: Choice = field(
         "Axis along which the functions vary", words=("x", "y", "z"), default="x", kw_only=True
@@ -157,7 +157,7 @@ class LineFamily(Family):
         return Columns(tuple(names), np.stack(found, axis=2))
 
     def _moved(self, part: Part, curve: Curve, kind: str, d: int) -> Array:
-        """Return displacements (nn, dofs): plane sections, rotated by w' in bending."""
+        """Return displacements (nn, dofs); sections stay plane and, in bending, rotate by w'."""
         a = "xyz".index(self.axis)
         x = part.nodes[:, a]
         length = float(np.ptp(x))
@@ -181,14 +181,15 @@ class LineFamily(Family):
 class BeamFunctions(LineFamily, tag="beam"):
     """Eigenfunctions of an Euler-Bernoulli beam, in closed form.
 
-    ``w(x) = A cosh bx + B sinh bx + C cos bx + D sin bx`` with the zeros b of, for a clamped and a
-    free end, ``cos bL cosh bL + 1 = 0``. Sections stay plane: a point off the axis through the
-    centre of mass moves along the axis by ``-y w'``. Stretch and twist have the sines and cosines
-    of a rod with the same ends; a pinned end is fixed in both.
+    ``w(x) = A cosh bx + B sinh bx + C cos bx + D sin bx`` where b are the zeros of the
+    characteristic function, such as ``cos bL cosh bL + 1`` for a clamped and a free end. Sections
+    stay plane: a point off the axis through the centre of mass moves along the axis by ``-y w'``.
+    Stretch and twist are described by sines and cosines of a rod with the same ends; a pinned end
+    is fixed for both.
 
-    Rigid motions are those of the body frame, for any ends. With functions clamped at both ends,
-    one end cannot rotate relative to the other; at a pinned or free end the bending moment is zero.
-    Choose the ends of the functions like the joints, or free.
+    Rigid motions are described by the body frame, for any ends. With functions clamped at both
+    ends, one end cannot rotate relative to the other; at a pinned or free end the bending moment is
+    zero. Choose ends of the functions that correspond to the joints, or free ends.
 
     Raises
     ------
@@ -218,7 +219,7 @@ class BeamFunctions(LineFamily, tag="beam"):
         return self.bending, self.stretch, self.twist
 
     def curves(self, kind: str) -> list[Curve]:
-        """Return functions of (position / length, order of the derivative)."""
+        """Return functions of (position / length, order of the derivative) for a kind of motion."""
         if kind == "bending":
             return [partial(eigenfunction, self.ends, k + 1) for k in range(self.bending)]
         count = self.stretch if kind == "stretch" else self.twist
@@ -227,7 +228,7 @@ class BeamFunctions(LineFamily, tag="beam"):
 
 
 def _rod(held: tuple[bool, ...], k: int, x: Array, order: int = 0) -> Array:
-    """Return an eigenfunction of a rod: sines from a fixed end, cosines from a free one."""
+    """Return an eigenfunction of a rod: a sine if the first end is fixed, else a cosine."""
     b = np.pi * (k if held[0] == held[1] else k - 0.5)
     turn = b * x + 0.5 * np.pi * (order - 1 if held[0] else order)
     return np.asarray(b**order * np.cos(turn))
@@ -242,7 +243,7 @@ class Splines(LineFamily, tag="splines"):
     Raises
     ------
     InputError
-        If there are fewer functions than degree + 1, or none.
+        If there are no functions, or fewer than degree + 1.
 
     Examples
     --------
@@ -279,7 +280,7 @@ class Splines(LineFamily, tag="splines"):
         return self.bending, self.stretch, self.twist
 
     def curves(self, kind: str) -> list[Curve]:
-        """Return functions of (position / length, order of the derivative)."""
+        """Return functions of (position / length, order of the derivative) for a kind of motion."""
         count = dict(zip(("bending", "stretch", "twist"), self.counts, strict=True))[kind]
         if not count:
             return []

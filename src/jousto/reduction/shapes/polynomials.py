@@ -27,7 +27,7 @@ class Polynomials(Family, tag="polynomials"):
 
     They are products of Legendre polynomials over the extent of the part, so that high orders stay
     independent in floating point. Rotations of beam nodes have polynomials up to the same order.
-    Rigid motions among them are removed, since they are those of the frame.
+    Rigid motions among them are removed, since the frame describes them.
 
     Raises
     ------
@@ -55,7 +55,7 @@ class Polynomials(Family, tag="polynomials"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Report `across` without `along`, or the reverse."""
+        """Report `across` without `along`, or `along` without `across`."""
         if (self.across is None) != (self.along == "all"):
             problems.add(
                 where, 'along and across must both be given, as in along="x", across=2', "along"

@@ -1,1 +1,1 @@
-"""Sparse matrices: factorisation, its libraries, and the memory needed."""
+"""Sparse matrices: factorisation, libraries for it, and the memory needed."""

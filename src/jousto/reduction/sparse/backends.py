@@ -1,9 +1,9 @@
 """Libraries that factorise sparse symmetric positive definite matrices, with one interface.
 
-The arguments of each library are both triangles of a matrix with unit diagonal, sorted and without
-duplicates; the position of each unknown (n, 3), for orderings by position; and the available memory
-in bytes, checked by libraries that can predict their need. Libraries are imported only when they
-are used.
+The arguments of each library are a matrix (both triangles, unit diagonal, sorted, without
+duplicates), the position of each unknown (n, 3) for orderings by position, and the available memory
+in bytes, which is checked by libraries that can predict their need. Libraries are imported only
+when they are used.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class NotPositiveDefinite(Exception):
 
 
 class Backend(Protocol):
-    """Base of the factors of one matrix."""
+    """Base of the factors of a matrix."""
 
     memory: int
 
@@ -124,7 +124,7 @@ class Pardiso:
             self, _free, self._call, self._pt, self._iparm, self._ia, self._ja, self._n
         )
         self._run(11)
-        # KiB of the factor and of additional arrays in solves
+        # KiB for the factor and for additional arrays in solves
         self.memory = 1024 * (int(self._iparm[15]) + int(self._iparm[16]))
         if self.memory > limit:
             raise MemoryError(

@@ -2,8 +2,8 @@
 
 The nodes are cut into two halves along their longest extent; the nodes of one half that touch the
 other form the separator and are eliminated after both halves. Each half is cut in the same way,
-down to small pieces that are dense. The factor of a solid of n nodes then has ``O(n^(4/3))``
-numbers, which is the optimal order (George, SIAM J. Numer. Anal. 10 (1973) 345-363).
+until the pieces are small and dense. The factor of a solid of n nodes then has ``O(n^(4/3))``
+nonzero numbers, the optimal order (George, SIAM J. Numer. Anal. 10 (1973) 345-363).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ minimum degree (Amestoy, Davis and Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 88
 
 @dataclass(frozen=True, eq=False)
 class Dissection:
-    """Order of the unknowns, in blocks that are eliminated one after the other.
+    """Order of the unknowns in blocks that are eliminated one after the other.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Dissection:
     starts : (nb + 1,) array
         Index in `order` at which each block begins.
     parents : (nb,) array
-        Separator block above each block, always a later one; -1 for the last block.
+        Index of the separator block above each block, a later block; -1 for the last block.
     """
 
     order: Index
@@ -81,7 +81,8 @@ def dissect(matrix: sp.csr_array, points: Array) -> Dissection:
             parents[half] = last
         return last
 
-    # nodes connected to a large part of the body, such as those of ties, are not used as separators
+    # nodes that are connected to a large part of the body, such as nodes of ties, do not become
+    # separators
     plain = np.flatnonzero(~hubs)
     below = cut(plain) if len(plain) else -1
     if hubs.any():

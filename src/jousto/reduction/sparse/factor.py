@@ -1,8 +1,8 @@
 """Factorisation of a stiffness matrix by the best installed sparse Cholesky library.
 
 A factorisation takes most of the time of a reduction, and libraries differ by a factor of ten in
-time and memory. All have the same task: the factor of a symmetric positive definite matrix scaled
-to unit diagonal, and solutions for blocks of right-hand sides.
+time and memory. Each library factorises a symmetric positive definite matrix scaled to unit
+diagonal, and solves for blocks of right-hand sides.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ class SolverInfo:
     name : str
         Name for `reduce(..., solver=name)`.
     library : str
-        The library.
+        Name of the library.
     licence : str
-        Its licence.
+        Licence of the library.
     installed : bool
         Whether the library is installed.
     remark : str
@@ -130,7 +130,7 @@ def _installed(module: str) -> bool:
 
 
 def choose(n: int, where: str, solver: str | None = None) -> str:
-    """Return the name of the library for n unknowns: the requested one, or the best.
+    """Return the name of the library for n unknowns: the requested one, or the best installed one.
 
     Raises
     ------
@@ -158,7 +158,7 @@ class Factor:
     Attributes
     ----------
     name : str
-        The library.
+        Name of the library.
     memory : int
         Bytes of the factor; 0 if the library does not report them.
     """
@@ -200,7 +200,8 @@ def factorise(
     dof_name : callable
         Name of a degree of freedom, for errors.
     points : (n, 3) array, optional
-        Position of each degree of freedom, m; without positions SuperLU orders by the pattern of K.
+        Position of each degree of freedom, m; without positions SuperLU is used, which orders by
+        the pattern of K.
     solver : str, optional
         Library, see `solvers`; None for the best installed one.
     limit : float
@@ -256,7 +257,7 @@ def _scaled(K: sp.csc_array | sp.csr_array, scale: Array) -> sp.csr_array:
 def _is_loose(backend: backends.Backend, n: int) -> bool:
     """Return whether the matrix is singular up to rounding.
 
-    Two inverse iterations are done; the last quotient is an upper bound of the smallest eigenvalue.
+    After two inverse iterations the Rayleigh quotient is an upper bound of the smallest eigenvalue.
     """
     x = np.random.default_rng(20070607).standard_normal((n, 1))
     for _ in range(2):

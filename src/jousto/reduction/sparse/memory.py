@@ -53,13 +53,13 @@ class MemoryEstimate:
     unknowns : int
         Degrees of freedom.
     modes : int
-        Upper bound of the number of modes: of the interfaces, requested ones, and residual vectors.
+        Upper bound of the number of modes: interface modes, requested modes and residual vectors.
     solver : str
         Library of the factorisation, see `solvers`.
     factor : float
-        Memory of the factorisation of a bulky part; a thin one needs less.
+        Memory of the factorisation of a bulky part; a thin part needs less.
     total : float
-        Largest total memory, including the part.
+        Largest total memory in use, including the part.
     least : float
         Total memory for a thin part, a lower bound.
     machine : float
@@ -118,7 +118,7 @@ def memory_estimate(
     modes = 20 if method.modes is None else method.modes
     columns = _columns(part, method)
     m = min(modes + columns, n)
-    # the larger of the search for modes and the computation of the body
+    # the larger of two needs: the search for modes, and the computation of the invariants
     basis = 2 * max(2 * modes + 40, 104)
     sites = 0 if part.stress is None else len(part.stress.sites)
     body = m * max(FIELDS * n + PAIRS * m, 2.0 * n + 2.0 * 6 * sites)
@@ -131,12 +131,12 @@ def memory_estimate(
 
 
 def _columns(part: Part, method: Method) -> int:
-    """Return the number of interface motions, or attachment modes, and residual vectors."""
+    """Return the number of interface motions (or attachment modes) plus residual vectors."""
     ties = [tie.name for tie in part.ties]
     names: Collection[str] = method.interfaces
     if isinstance(method, CraigBampton):
         names = names or ties
-    # six motions per tie, all motions per node of a set; unknown names are reported later
+    # six motions per tie, and all motions of each node of a set; unknown names are reported later
     count = sum(
         6 if name in ties else part.dofs_per_node * len(part.node_sets.get(name, ()))
         for name in names
@@ -177,7 +177,7 @@ def check_memory(estimate: MemoryEstimate, where: str) -> None:
 
 @functools.cache
 def machine_memory() -> float:
-    """Return the memory of this machine, or of the container of this process, bytes."""
+    """Return the memory of this machine, or of the container in which this process runs, bytes."""
     limits = [np.inf]
     if sys.platform == "win32":
         limits.append(_windows())

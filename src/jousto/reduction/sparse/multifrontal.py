@@ -1,7 +1,7 @@
 """Multifrontal Cholesky factorisation: the sparse factor as a tree of dense factors.
 
 Blocks of unknowns are eliminated in an order of nested dissection. The front of a block is the
-dense matrix of its own unknowns 1 and of the later unknowns 2 coupled with them,
+dense matrix of its own unknowns (index 1) and of the later unknowns coupled with them (index 2),
 
     ``F11 = L11 L11^T``,  ``L21 = F21 L11^-T``,  ``U = F22 - L21 L21^T``;
 
@@ -24,7 +24,7 @@ from jousto.reduction.sparse.dissection import Dissection, dissect
 
 @dataclass(frozen=True, eq=False)
 class Front:
-    """Block of unknowns start to stop, in elimination order, and the unknowns coupled with it.
+    """Block of unknowns from start to stop, in elimination order, and the unknowns coupled with it.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class Front:
     border : (m,) array
         Later unknowns, ascending.
     parent : int
-        Front to which the remainder U is added; -1 for none.
+        Index of the front to which the remainder U is added; -1 for none.
     """
 
     start: int
@@ -68,7 +68,7 @@ class Cholesky:
     least_pivot : float
         Smallest allowed square of a diagonal entry of L.
     limit : float
-        Bytes of memory that there are.
+        Available memory, bytes.
 
     Raises
     ------
@@ -147,7 +147,7 @@ def _lower(matrix: sp.csr_array, place: Index) -> sp.csc_array:
 
 
 def fronts(lower: sp.csc_array, cut: Dissection) -> list[Front]:
-    """Return the fronts: unknowns coupled with a block, directly or by earlier eliminations."""
+    """Return the fronts: unknowns coupled with each block, directly or by earlier eliminations."""
     out: list[Front] = []
     touched: dict[int, list[Index]] = {}
     for number, parent in enumerate(cut.parents):
@@ -175,7 +175,7 @@ def _bytes(tree: list[Front]) -> tuple[int, int]:
 
 
 def _entries(lower: sp.csc_array, front: Front) -> tuple[Array, Array, Array]:
-    """Return the entries of the matrix in F11 and F21, and F22 of zeros."""
+    """Return the entries of the matrix in F11 and F21, and a zero matrix F22."""
     k, m = front.stop - front.start, len(front.border)
     F11, F21, F22 = (np.zeros(shape, order="F") for shape in ((k, k), (m, k), (m, m)))
     part = slice(lower.indptr[front.start], lower.indptr[front.stop])
@@ -197,5 +197,5 @@ def _extend(front: Front, F11: Array, F21: Array, F22: Array, border: Index, U: 
         (F21, j, i, U[inner:, :inner]),
         (F22, j, j, U[inner:, inner:]),
     ):
-        # transposed, since columns of these arrays are contiguous
+        # transposed, since the columns of these arrays are contiguous
         target.T[np.ix_(columns, rows)] += values.T

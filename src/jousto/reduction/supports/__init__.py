@@ -1,1 +1,1 @@
-"""Parts held at several places: clamps, springs, their modes, static shapes and reactions."""
+"""Parts held at several places: clamps, springs, modes, static shapes and reactions."""

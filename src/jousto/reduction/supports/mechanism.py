@@ -16,7 +16,7 @@ def names_of_motions(left: Array, center: Array, length: float) -> list[str]:
     Parameters
     ----------
     left : (6, r) array
-        Independent motions: translation of the centre over the length, and rotation.
+        Independent motions: translation of the centre divided by the length, and rotation.
     center : (3,) array
         Point to which they refer, m.
     length : float
@@ -56,7 +56,7 @@ def reduced_rows(A: Array) -> Array:
 
 
 def name_of_motion(row: Array, center: Array, length: float) -> str:
-    """Return the name of a motion (6,): rotation, and translation of the centre over the length."""
+    """Return the name of a motion (6,): rotation, and translation of the centre / length."""
     w, t = row[:3], row[3:] * length
     turn = float(np.linalg.norm(w))
     if turn <= ROUNDING * max(1.0, float(np.linalg.norm(t)) / length):
@@ -71,7 +71,7 @@ def name_of_motion(row: Array, center: Array, length: float) -> str:
 
 
 def _direction(d: Array) -> str:
-    """Return ``x``, ``y``, ``z`` or the unit vector."""
+    """Return ``x``, ``y`` or ``z`` for a direction along an axis, else the unit vector as text."""
     unit = d / np.abs(d).max()
     unit = np.where(np.abs(unit) <= 1e-6, 0.0, unit)
     if np.count_nonzero(unit) == 1:

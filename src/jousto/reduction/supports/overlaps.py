@@ -25,7 +25,8 @@ def check_overlaps(problems: Problems, system: System, supports: Sequence[Suppor
 
     Each of two clamps would list the full reaction. Springs on a node act in parallel.
     """
-    # the place of each object, the first clamp of each coordinate, and what pairs of clamps share
+    # the position of each object, the first clamp of each coordinate, and the directions that pairs
+    # of clamps share
     listed: dict[int, int] = {}
     first: dict[int, int] = {}
     shared: dict[tuple[int, int], dict[str, list[int]]] = {}
@@ -44,7 +45,7 @@ def check_overlaps(problems: Problems, system: System, supports: Sequence[Suppor
         both = f"support {i + 1} ({names[0]}) and support {j + 1} ({names[1]})"
         if names[0] == names[1]:
             both = f"supports {i + 1} and {j + 1}, each {names[0]},"
-        # nodes that are held alike in one sentence
+        # nodes whose directions are held in the same way, in one sentence
         alike: dict[tuple[int, ...], list[str]] = {}
         for name, directions in held.items():
             alike.setdefault(tuple(directions), []).append(name)
@@ -79,7 +80,7 @@ def _name(support: Support) -> str:
 
 
 def _listed(names: list[str]) -> str:
-    """Return the first names, and the number of the others."""
+    """Return the first names and the number of the others as text."""
     more = len(names) - SHOWN
     if more > 0:
         return f"{', '.join(names[:SHOWN])} and {more} more node{'s' * (more > 1)}"

@@ -1,4 +1,4 @@
-"""Coordinates that clamps hold, the stiffness of springs, and what both hold in rigid motions."""
+"""Coordinates held by clamps, stiffness of springs, and the effect of both on rigid motions."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from jousto.reduction.supports.overlaps import held_directions
 from jousto.reduction.supports.support import DIRECTIONS, Clamp, SpringSupport, Support
 from jousto.reduction.supports.system import System
 
-# eigenvalue of a spring of unit diagonal, below which a motion does not strain it
+# eigenvalue of a spring matrix of unit diagonal, below which a motion does not strain the spring
 SOFT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class RigidSupport:
-    """What supports hold in rigid motions.
+    """Rows that strain supports in rigid motions, with the stiffness of the supports.
 
     Attributes
     ----------
     rows : (m, 6) array
-        Motions that strain supports, rotations times lengths, for rigid motions over unit length.
+        Motions of the supports, with rotations multiplied by a length, in each rigid motion.
     stiffness : (m,) array
         N/m; infinite for clamps.
     owners : (m,) array
@@ -91,16 +91,16 @@ def spring_stiffness(
 def rigid_support(
     system: System, supports: Sequence[Support], held: Index, unit: Array, R: Array
 ) -> RigidSupport:
-    """Return what supports hold in the rigid motions R (n, 6).
+    """Return the rows in which supports resist the rigid motions R (n, 6).
 
     Parameters
     ----------
     system, supports, held
         Held coordinates as from `held_coordinates`.
     unit : (n,) array
-        Size of the part, m, at rotations of supported nodes, else 1.
+        Size of the part, m, for rotations of supported nodes; 1 for translations.
     R : (n, 6) array
-        Rigid motions, rotations over the size of the part.
+        Rigid motions, with rotations divided by the size of the part.
     """
     rows = [(unit[:, None] * R)[held]]
     stiffness, owners = [np.full(len(held), np.inf)], [np.full(len(held), -1)]
@@ -118,7 +118,7 @@ def rigid_support(
 
 
 def _strained(K: Array, unit: Array) -> tuple[Array, Array]:
-    """Return unit rows of motions, times their units, that strain a spring, and their N/m."""
+    """Return unit rows of motions, times their units, that strain a spring, and stiffness."""
     scaled = K / np.outer(unit, unit)
     size = np.sqrt(np.where(np.diag(scaled) > 0.0, np.diag(scaled), 1.0))
     values, vectors = np.linalg.eigh(scaled / np.outer(size, size))

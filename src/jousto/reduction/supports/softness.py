@@ -1,4 +1,4 @@
-"""Springs so soft beside a part that rounding errors of its stiffness hide them."""
+"""Springs that are too soft beside a part, because rounding errors of its stiffness hide them."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from jousto.reduction.supports.restraints import RigidSupport
 from jousto.reduction.supports.support import Support
 from jousto.reduction.supports.system import System
 
-# stiffness of supports over sum of K_ii in a rigid motion, below which supports are refused: five
-# times `LOOSE` of the factorisation; rounding of 1e-16 of K is then 0.1 % of that stiffness
+# stiffness of supports relative to the sum of K_ii in a rigid motion, below which supports are
+# refused: five times `LOOSE` of the factorisation; rounding errors of K of 1e-16 are then 0.1 % of
+# that stiffness
 LEAST = 1e-13
 SHOWN = 3  # springs that a message names
 SHARE = 0.01  # share of a spring in the stiffness of a motion, above which it is named
@@ -24,7 +25,7 @@ SHARE = 0.01  # share of a spring in the stiffness of a motion, above which it i
 def check_softness(
     system: System, supports: Sequence[Support], support: RigidSupport, R: Array
 ) -> None:
-    """Raise InputError for rigid motions that supports hold more softly than K is rounded.
+    """Raise InputError for rigid motions whose supports are softer than rounding errors of K.
 
     With ``S`` the stiffness of the supports and ``Q = R^T diag(K_ii) R``, both (6, 6) in the rigid
     motions R, rounding errors of ``K R = 0`` are ``eps a^T Q a`` in the motion a. Motions with
@@ -33,7 +34,7 @@ def check_softness(
     Q = R.T @ (system.K.diagonal()[:, None] * R)
     if not Q.any():
         return
-    # a motion in which no node has stiffness has that of rounding
+    # if no node has stiffness in a motion, its stiffness is that of rounding errors
     Q += 1e-15 * np.trace(Q) * np.eye(6)
     C = la.cholesky(Q, lower=True)
     # S = F^T F in b = C^T a, for which Q is the identity; stiffness is at most Q, since larger
@@ -52,7 +53,7 @@ def check_softness(
     for row in rows:
         b = C.T @ np.roll(row, 3)
         forces = (F @ b) ** 2
-        # clamps are rigid, also those that are close together
+        # clamps are rigid, even if they are close together
         if forces[springs].sum() < SHARE * forces.sum():
             continue
         np.maximum.at(shares, support.owners[springs], forces[springs] / forces.sum())

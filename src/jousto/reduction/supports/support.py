@@ -1,4 +1,4 @@
-"""Clamp, SpringSupport: what holds nodes of a part."""
+"""Clamp and SpringSupport: supports of nodes of a part."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ INDEFINITE = 1e-9  # negative eigenvalue over the largest one, above which it is
 
 
 class Directions(Field[Any, "tuple[str, ...]"]):
-    """Field of directions of a node; None for all that it has."""
+    """Field of directions of a node; None for all directions that the node has."""
 
     form = "texts"
     noun = "str or sequence of str"
@@ -55,7 +55,7 @@ class NodeStiffness(Field[Any, Array]):
     noun = "(6,) or (6, 6) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the matrix (6, 6), or report one that is no stiffness."""
+        """Return the matrix (6, 6), or report a matrix that is not a stiffness."""
         shape = (6, 6) if np.ndim(value) == 2 else (6,)
         given = problems.array(where, self.name, value, shape)
         if given is None:
@@ -78,7 +78,7 @@ class NodeStiffness(Field[Any, Array]):
 
 
 def marker_hint(on: Any) -> str:
-    """Return the end of an error message on ``body["end"]``, the marker of a body, or nothing."""
+    """Return a hint for messages if `on` is a marker such as ``body["end"]``; else nothing."""
     point, body = getattr(on, "point", None), getattr(on, "body", None)
     if not isinstance(point, str) or body is None:
         return ""
@@ -87,7 +87,7 @@ def marker_hint(on: Any) -> str:
 
 
 class Support(Declared):
-    """Base of what holds nodes of a part."""
+    """Base of the supports of nodes of a part."""
 
     on: Tied = field(
         "Nodes: a node set such as ``start`` or ``node7``, a rigid interface, indices from 0, or a "
@@ -99,7 +99,7 @@ class Support(Declared):
         return f"{type(self).__name__} on {self.label}"
 
     def __post_init__(self) -> None:
-        """Check the values, and that the nodes are not given by a marker."""
+        """Check the values, and that no marker is given in place of nodes."""
         if hint := marker_hint(self.on):
             where = f"{type(self).__name__} on {self.on!r}"
             raise InputError(Problem(where, f"on {hint}", path=("on",)))
@@ -116,7 +116,7 @@ class Support(Declared):
 
 
 class Clamp(Support):
-    """Nodes that are held in all or some directions, or moved by a settlement.
+    """Clamp: nodes that are held in all or some directions, or displaced by a settlement.
 
     Raises
     ------

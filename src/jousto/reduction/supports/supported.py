@@ -65,11 +65,11 @@ class Reaction:
     Attributes
     ----------
     support : str
-        The support, ``Clamp on 'start'``.
+        Name of the support, such as ``Clamp on 'start'``.
     node : str
         Name of the node.
     at : (3,) array
-        Its place, m, part frame.
+        Position of the node, m, part frame.
     force, moment : (3,) array
         N and N m about the node, part axes.
     """
@@ -91,10 +91,10 @@ class SupportedState:
     displacements : (nodes, 3) array
         m, part axes.
     reactions : tuple of Reaction
-        One for each node of each support.
+        Reactions, one for each node of each support.
     balance : float
-        Largest resultant of loads and reactions (force, or moment over the size of the part) over
-        the sum of their sizes; it is rounding error.
+        Largest component of the resultant of loads and reactions (force, or moment over the size of
+        the part), divided by the sum of their magnitudes. It is of the order of rounding errors.
     """
 
     displacements: Array

@@ -21,7 +21,9 @@ from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.supports.support import Support
 
 LINE = 60  # characters of a value in messages
-DEPENDENT = 1e-9  # singular value of scaled motions of nodes over the largest: they are dependent
+# singular value of scaled motions of nodes, relative to the largest one, below which they are
+# dependent
+DEPENDENT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
