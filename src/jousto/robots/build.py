@@ -30,7 +30,7 @@ from jousto.robots.kinematics.tree import Tree
 from jousto.robots.root_pose import Seat
 
 SINGLE = ("revolute", "prismatic", "screw")
-SHARE = 1e-6  # mass of a link without mass over that of its children
+SHARE = 1e-6  # mass given to a link without mass, relative to the mass of its children
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +154,7 @@ def build_robot(
     bodies = make_bodies(robot, poses, seat)
     joints = make_joints(robot, bodies, seat, prefix)
     coordinates = {
-        joint.name: made.coordinates[-1]  # the last one, which is the angle of a screw
+        joint.name: made.coordinates[-1]  # the last coordinate, which for a screw is the angle
         for joint in robot.joints
         if joint.kind in SINGLE and (made := joints.get(joint.name)) is not None
     }

@@ -24,7 +24,8 @@ from jousto.robots.kinematics.tree import Tree
 STOP_FREQUENCY = 50.0  # natural frequency of the effective inertia of a joint on its stop, Hz
 RESTITUTION = 0.5  # default coefficient of restitution of stops
 YIELD = {"rad": 0.01, "m": 1e-3}  # deflection of a stop under the largest effort of the joint
-QUICK = 20.0  # largest speed of the joint over the speed from which restitution applies
+# ratio of the largest speed of the joint and the speed above which restitution applies in full
+QUICK = 20.0
 DRY = {"rad": 0.01, "m": 1e-3}  # smallest speed of full dry friction, rad/s or m/s
 SOON = 2e-3  # shortest time in which full dry friction stops a joint, s
 

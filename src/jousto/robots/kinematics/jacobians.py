@@ -106,7 +106,8 @@ def _motion(kind: str, sign: int, joint: Frame, q: Array) -> tuple[Frame, Array,
         if sign > 0:
             moved = Frame(joint.r, joint.A @ R)
             return moved, moved.A, zero
-        # b is the parent of a: the angular velocity of b against a changes its sign, axes of b
+        # b is the parent of a, so the angular velocity of b relative to a has the opposite sign and
+        # is resolved in axes of b
         return Frame(joint.r, joint.A @ R.T), -joint.A, zero
     if kind == "free":
         R = rotation_matrix(unit(q[3:7]))

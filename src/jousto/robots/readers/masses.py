@@ -31,7 +31,7 @@ def merge_and_check(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Ro
     whole, homes = merge_links(made)
     if not merge:
         whole, homes = made, {link.name: link.name for link in made.links}
-    # links fixed to a link with mass add their inertia, with or without own mass
+    # links fixed to a link with mass add their inertia, whether or not they have mass themselves
     whole = replace(whole, links=without_idle_inertia(add, made, whole, homes))
     held = held_links(whole)
     links, size = [], extent(made)

@@ -117,7 +117,7 @@ class Folders:
         try:
             with np.errstate(
                 all="ignore"
-            ):  # readers test the kind of a file by its numbers, which may overflow
+            ):  # readers recognise the kind of a file by numbers in it, which may overflow
                 triangles = read_surface("mesh", path, "m")
         except InputError as error:
             return None, f"'{shown}' cannot be used: {error.problems[0].message}"

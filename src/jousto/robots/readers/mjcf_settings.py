@@ -124,7 +124,7 @@ def read_classes(root: Element) -> Classes:
     """Return the default attributes by class, element and attribute."""
     found: Classes = {"main": {}}
     for element in root.all("default"):
-        # sections at the top add to each other
+        # settings in sections at the top of the file accumulate
         _class(element, {}, "main", found)
     return found
 

@@ -189,7 +189,7 @@ def read_actuators(bodies: Bodies) -> list[Motor]:
     for section in bodies.root.all("actuator"):
         for one in section.children:
             if one.tag not in ACTUATORS:
-                continue  # reported as a word
+                continue  # already reported as a word
             for element in each_copy(bodies, one):
                 motor = _motor(bodies, element)
                 if motor is None:

@@ -201,7 +201,7 @@ for _parent, _names in _DEFAULTS.items():
 for (
     _name
 ) in "intvelocity orientation pid damper cylinder muscle adhesion dcmotor pair skin".split():
-    TAGS[f"default/{_name}"] = QUIET_TAG  # reported where an element is of the class
+    TAGS[f"default/{_name}"] = QUIET_TAG  # reported for each element that uses the class
 TAGS["default/tendon"] = TAGS.pop("default/spatial")
 TAGS["default/equality"] = TAGS["equality/connect"]
 TAGS["default/default"] = TAGS["mujoco/default"]
