@@ -28,7 +28,7 @@ from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import EVENT_COLUMNS
 from jousto.simulation.state import State
 
-SAMPLES = 48  # instants of a run for its extent
+SAMPLES = 48  # number of instants of a run from which its extent is computed
 SAMPLED = 64 << 20  # largest amount of a file that is read for the extent, bytes
 CHECKED = 1024  # rows read from a file to check one of them for finite numbers
 ARROWS = {"N": "force", "N m": "moment", "m/s": "velocity", "m/s^2": "acceleration"}
@@ -193,5 +193,5 @@ def measures_of(bodies: Sequence[Body]) -> tuple[str, ...]:
     if any(body.modes for body in bodies):
         found.append("displacement")
     if any(body.damage is not None for body in bodies):
-        found.append("damage")  # no "life": it spans decades, which the colours cannot show
+        found.append("damage")  # no "life", since it spans decades, which the colours cannot show
     return tuple(found)

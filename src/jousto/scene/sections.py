@@ -114,7 +114,7 @@ def outline_weights(points: Array, edge: Array) -> tuple[Array, Array | None]:
     plane = None
     if np.linalg.matrix_rank(basis) == 3:
         plane = np.column_stack([np.ones(len(edge)), edge]) @ np.linalg.pinv(basis)
-    # corners that are stress points take their values
+    # corners that are stress points take the values of these points
     away = np.linalg.norm(edge[:, None] - points[None], axis=2)
     near = away.argmin(axis=1)
     same = np.flatnonzero(away.min(axis=1) < 1e-9 * np.ptp(edge))
