@@ -81,7 +81,7 @@ class YamlReader:
         self.next = CParser(hidden).get_event
         # stored events of a text with aliases
         self.events: list[Event] = []
-        # event index of the anchor of an alias, by the id of the alias event
+        # index of the anchor event of an alias, by the id of the alias event
         self.targets: dict[int, int] = {}
         self.open: set[int] = set()  # ids of the events of open anchored collections
         if "*" in text:

@@ -53,7 +53,7 @@ def wrench(place: Place, value: Any) -> Any:
 def pattern(place: Place, value: Any) -> Any:
     """Return nodal forces (nodes, 3), N, from a file, from rows, or from a mapping of nodes."""
     body = place.values["body"]
-    # the constructor reports a body that is not flexible, unless rigid=True made it rigid
+    # the constructor reports a body that is not flexible, unless it was made rigid by rigid=True
     if not isinstance(body, FlexibleBody):
         return None if place.builder.rigid or body is None else value
     if isinstance(value, str):

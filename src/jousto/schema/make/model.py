@@ -183,7 +183,7 @@ class ModelBuilder(Builder):
         parts = [(name, ("parts", name), part) for name, part in (entry.parts or {}).items()]
         known["parts"] = made = Section(self, "parts", parts, self.named_part)
         sections = [made]
-        # a rigid body has neither modes nor stress, so that sensors of these, and damage of such
+        # a rigid body has neither modes nor stress; sensors of these quantities, and damage of such
         # sensors, are left out
         gone = [e.name for e in entry.sensors or () if self.rigid and e.declared.flexible]
         for key in LISTS:
