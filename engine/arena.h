@@ -5,7 +5,7 @@
 #include "jousto.h"
 #include <stddef.h>
 
-/* Block of memory and number of used bytes; base NULL: only counts the bytes. */
+/* Block of memory and number of used bytes; with base NULL bytes are only counted. */
 typedef struct { char *base; size_t used; } jo_arena;
 
 /* `bytes` rounded up to cache lines of 64 bytes, aligned for vector loads */

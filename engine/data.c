@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #endif
 
-/* state: quantities that the next step needs from the last one, in one block */
+/* the state, in one block: all quantities that the next step needs from the last one */
 static void lay_state(const jo_model *m, jo_arena *a, jo_data *d)
 {
     d->state = jo_take(a, 0);
@@ -39,7 +39,7 @@ static void lay_state(const jo_model *m, jo_arena *a, jo_data *d)
     d->state_bytes = a->used - state;
 }
 
-/* all arrays of a jo_data from the arena; without a block only counts the bytes */
+/* take all arrays of a jo_data from the arena; without a block only the bytes are counted */
 static jo_data *lay_out(const jo_model *m, jo_arena *a)
 {
     jo_data spare, *taken = jo_take(a, sizeof(jo_data)), *d = taken ? taken : &spare;

@@ -17,7 +17,7 @@ struct jo_data {
     jo_valid valid;
     jo_split split;
 
-    /* the state, visible to the caller: one block of state_bytes, including the history of methods */
+    /* the state, visible to the caller: one block of state_bytes that includes the history of methods */
     char *state;
     size_t state_bytes;
     jo_real time[1];
@@ -37,20 +37,21 @@ struct jo_data {
     jo_real *y, *w, *wd;    /* integrated quantities: q, v, a or, in joint coordinates, x, u, ud */
     int ny, nw;             /* number of positions and of velocities; the latter include the states of forces, which come last */
     jo_real *q0, *v0, *dq, *dv, *rate;
-    jo_real *acc;           /* (nw) residual of Newton's method; Rosenbrock stage: argument of the damping; dv: stiffness */
+    /* (nw) residual of Newton's method; in a Rosenbrock stage the argument of the damping, and dv that of the stiffness */
+    jo_real *acc;
 
     /* results of the last evaluation */
     jo_work power;          /* rates, W */
     jo_real drive;          /* power of the drives, W, which power.forces includes */
-    jo_work power0;         /* rates at the start of the last step, W; half of its work is added by jo_add_step_work */
-    double waiting;         /* length of that step, s; 0: work is complete */
+    jo_work power0;         /* power at the start of the last step, W; jo_add_step_work adds half of its work */
+    double waiting;         /* length of that step, s; 0 if its work is complete */
     jo_body_work *body;
     jo_marker_work *marker;
     jo_coordinate_work *coordinate;
     jo_joint_work *joint;
     jo_force_work *force;
 
-    /* data of each folder of the engine, whose files alone use the fields */
+    /* data of each folder of the engine; only files of the folder use the fields */
     jo_schur schur;
     jo_newton newton;
     jo_forces forces;
@@ -97,7 +98,7 @@ static inline void jo_to_world(jo_real *y, const jo_model *m, const jo_data *d, 
     default: call(6); break;       \
     }
 
-/* whether the event that deactivates a joint or a force has occurred; event -1: never */
+/* whether the event that deactivates a joint or a force has occurred; never for event -1 */
 static inline int jo_released(const jo_data *d, int event) { return event >= 0 && d->happened[event] > 0; }
 
 /* whether the rows of a joint are inactive: unlocked or released */
@@ -106,7 +107,7 @@ static inline int jo_absent(const jo_data *d, const jo_joint *k)
     return (k->lock >= 0 && !d->locked[k->lock]) || jo_released(d, k->release);
 }
 
-/* whether a model has hybrid mode: bodies in maximal coordinates and trees */
+/* whether a model runs in hybrid mode, with bodies in maximal coordinates and trees */
 static inline int jo_mixed(const jo_model *m) { return m->nlink && m->link->type == JO_LINK_BODY; }
 
 /* whether a body in maximal coordinates carries trees */

@@ -161,7 +161,7 @@ typedef struct {
 /* Frame on a body: at a node with translation and rotation mode shapes, or rigid. */
 typedef struct {
     int body;               /* -1: ground */
-    int turns;              /* whether every evaluation needs its orientation; otherwise only sensors do */
+    int turns;              /* whether every evaluation needs the orientation; otherwise only sensors need it */
     const jo_real *u0;      /* (3)       undeformed position, local */
     const jo_real *A0;      /* (9)       undeformed orientation, local, row-major */
     const jo_real *Phi;     /* (3 x np)  translation mode shapes; 0: rigid */
@@ -176,11 +176,11 @@ typedef struct {
     jo_real C[36];          /* section stiffness for [Gamma, kappa], N, N m, N m2 */
     jo_real e0[6];          /* strains [Gamma, kappa] of the unstressed shape */
     jo_real beta;           /* stiffness-proportional damping, s */
-    jo_real alpha;          /* mass-proportional damping of the consistent mass, 1/s; jo_body.alpha damps the lumped mass */
+    jo_real alpha;          /* mass-proportional damping of the consistent mass, 1/s; jo_body.alpha applies to the lumped mass */
     jo_real share;          /* share of (consistent - lumped mass) added to the lumped mass of the bodies */
     jo_real mass, J[6];     /* mass (kg) and rotary inertia (kg m2) of the element in the frames of its ends */
     jo_real limit;          /* inverse of the largest admissible tension, 1/N; 0: no limit */
-    jo_real helical;        /* 1: the axis is a helix between the ends (beam_helix.c), 0: their chord */
+    jo_real helical;        /* 1: the axis between the ends is a helix (beam_helix.c); 0: it is their chord */
     jo_real polar;          /* Ip/A about the shear centre, m2, for the Wagner effect (beam_fibre.c); 0: none */
 } jo_beam_data;
 typedef struct {
@@ -193,7 +193,7 @@ typedef struct {
     int type;               /* jo_coordinate_type */
     int a, b;               /* markers */
     int axis_a, axis_b;     /* AXES, ALONG */
-    int turn;               /* ANGLE: index of its counted angle, else -1 */
+    int turn;               /* ANGLE: index among the counted angles, else -1 */
     int link;               /* link whose joint coordinate equals plus or minus this coordinate; -1: none */
 } jo_coordinate;
 
@@ -231,12 +231,12 @@ typedef struct {
     int type;               /* jo_link_type; coordinates of BALL: (4) quaternion, (3) relative angular velocity, local;
                              * FREE, BODY: [R e p] and [R' w_local p'] of the body */
     int parent;             /* index of the parent, less than that of the link; -1: ground */
-    int body;               /* -1: none; the only child has the body of the joint */
+    int body;               /* -1: none; then the only child has the body of the joint */
     int outer;              /* marker on the body of the parent; -1: frame of a parent without a body; FREE, BODY: ground */
     int crossed;            /* for outer -1: x, y, z of the link are y, z, x of the parent */
     int inner;              /* marker on the body of the link; -1: none, or FREE, BODY */
     int joint;              /* joint that the link represents; -1: none */
-    int reversed;           /* whether its body is on side 0 of the joint: joint coordinates with the opposite sign */
+    int reversed;           /* whether the body is on side 0 of the joint, so that joint coordinates have the opposite sign */
     int x, u;               /* index of its first coordinate and of its first rate */
     int drive, driven;      /* joint with one line that prescribes its motion, and that line; -1: none */
     int lock;               /* index in jo_data_locked() of the friction of the joint; -1: none */
@@ -248,9 +248,9 @@ typedef struct {
     int group, row;         /* group of loops with common links (consecutive), and first row within the group */
     int first, count;       /* range in reach[] */
 } jo_loop;
-/* link on the path from the sides of a loop to the root, children first; reach of the parent, -1: ground */
+/* link on the path from the sides of a loop to the root, children first; index of the reach of the parent, -1: ground */
 typedef struct { int link, next; } jo_reach;
-typedef struct { int one, other; } jo_meet;    /* two reaches (of loops one <= other) of one link, or one reach twice */
+typedef struct { int one, other; } jo_meet;    /* two reaches (of loops one <= other) at the same link, or one reach twice */
 
 /* Two joint sides on one body, which contribute to one block of S = Cq M^-1 Cq^T. */
 typedef struct {
@@ -275,7 +275,7 @@ typedef struct { int target, left, right, left_rows, right_rows; } jo_update;   
  * close a loop. Strides of blocks are rounded up to a multiple of JO_PAD. */
 typedef struct {
     int body;               /* -1: joints only */
-    int size, lead, at;     /* number of unknowns; of these of the body, which come first; index of the first unknown */
+    int size, lead, at;     /* number of unknowns; number of those of the body, which come first; index of the first unknown */
     int diagonal;           /* offset of the diagonal block (size x size) in Newton's matrix */
     int first, count;       /* range in branch[] */
 } jo_node;
@@ -307,7 +307,8 @@ typedef struct {
     int type;               /* jo_force_type: JO_FORCE_load, ... */
     int a, b;               /* markers, -1 where not used */
     int coordinate, body;   /* -1 where not used */
-    int follow, active;     /* follow: force in the frame of b; active: its power counts as work, not as stored or dissipated energy */
+    /* follow: force in the frame of b; active: the power of the force counts as work, not as stored or dissipated energy */
+    int follow, active;
     int signal, reference, spring, damper;   /* signals, -1: none; arguments of spring and damper are s and s' instead of time */
     const jo_real *data;    /* numbers of its kind, see JO_FORCES */
     jo_callback function;
@@ -393,7 +394,7 @@ typedef struct {
     const jo_real *gravity; /* (3) m/s^2 */
     const jo_body *body;
     const jo_beam *beam;
-    const jo_marker *marker;   /* the first nactive are those of joints and forces, the others of sensors */
+    const jo_marker *marker;   /* the first nactive markers belong to joints and forces, the others to sensors */
     const jo_coordinate *coordinate;
     const jo_joint *joint;     /* (njoint + nhub) */
     const jo_line *line;
@@ -427,7 +428,7 @@ typedef struct {
     double step;            /* step length, s; jo_follow: time between rows */
     double alpha, beta;     /* Baumgarte, 1/s: C'' + 2 alpha C' + beta^2 C = 0; 0: off */
     double alpha_m, alpha_f, newmark_beta, newmark_gamma;   /* alpha */
-    double tolerance;       /* alpha: relative size of the last increment, 0: fixed iterations; dopri: relative error of a step */
+    double tolerance;       /* alpha: relative size of the last increment, 0: fixed number of iterations; dopri: relative error of a step */
     double absolute;        /* dopri: absolute error of a step, m and m/s; of rotations: this / size of the mechanism */
     double largest;         /* dopri: largest step, s; 0: no limit */
     double first;           /* dopri: first step, s; 0: automatic */
@@ -495,7 +496,8 @@ void jo_yield(const jo_model *m, jo_data *d);   /* states of forces that yield, 
 void jo_restart(jo_data *d);      /* to be called after a replacement of the state: resets the history of methods and events */
 void jo_energy(const jo_model *m, jo_data *d, jo_energies *out);
 void jo_residuals(const jo_model *m, jo_data *d, jo_real *out);   /* (2) largest |C|, m, and |Cq v|, m/s, rows times jo_row_metres */
-/* (nrow) length, m, that a unit of each row of C counts as: 1 for lengths, the size of the mechanism for angles and cosines */
+/* (nrow) length, m, that corresponds to a residual of 1 in each row of C: 1 for lengths, the size of the mechanism for angles and
+ * cosines */
 void jo_row_metres(const jo_model *m, jo_real *out);
 void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot);   /* (nrow) each */
 void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M);        /* (6+n)^2, local */
@@ -504,7 +506,7 @@ int jo_body_loads(const jo_model *m, jo_data *d, int body, jo_real *out);   /* (
                                                                              * the origin, modal forces] of each, local, at time, q, v, lam */
 /* (nv + nrow)^2 [ca M + cv D + cq K, Cq^T; d(Cq v)], the last with the same weights, at time, q, v, a, lam */
 int jo_newton_matrix(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out);
-/* (nnewton) the same in its memory layout, the blocks of jo_node and jo_branch */
+/* (nnewton) the same matrix in the memory layout of Newton's matrix, by the blocks of jo_node and jo_branch */
 int jo_newton_values(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out);
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), after jo_accelerations */
 
@@ -520,7 +522,7 @@ typedef struct {
     double step, farthest;     /* period of the steps; largest lateness, above which jo_paced returns */
     double ahead;              /* time until the next step is due, < 0: lateness; input and output */
     double latest, worst;      /* largest lateness and longest execution of a step so far */
-    long long missed, done;    /* number of steps that ended after the next one was due; steps of the last call */
+    long long missed, done;    /* number of steps that ended after the next step was due; number of steps of the last call */
 } jo_pace;
 /* jo_run in real time, at most nsteps steps. late (nedge + 1): histogram of the lateness of the steps with the ascending edges.
  * Returns early after a step with an event. */
@@ -591,7 +593,7 @@ void jo_health_check(const jo_health *r, double *memory, const unsigned char *be
 enum { JO_LANES = 8 };
 typedef enum { JO_NORM = 0,             /* scale |rows| */
                JO_WEIGHTED = 1,         /* scale w . rows, w (nt x rows); NULL: their sum */
-               JO_SIGNED_MISES = 2,     /* this one and those below: 6 rows, a tensor 11 22 33 12 23 13 */
+               JO_SIGNED_MISES = 2,     /* this and the following criteria: 6 rows, a tensor 11 22 33 12 23 13 */
                JO_PRINCIPAL_1 = 3, JO_PRINCIPAL_2 = 4, JO_PRINCIPAL_3 = 5,
                JO_SIGNED_PRINCIPAL = 6,
                JO_SHEAR = 7             /* scale (largest - smallest principal value) */

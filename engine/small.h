@@ -21,7 +21,7 @@
 #define jo_exp exp
 #endif
 
-/* a function compiled for the constants of its call */
+/* a function that is compiled separately for each constant argument */
 #if defined(__GNUC__)
 #define JO_INLINE inline __attribute__((always_inline))
 #else
@@ -34,7 +34,7 @@ enum { JO_MACHINES = 1 };
 typedef int jo_mask;
 #define JO_LESS(a, b) (JO_RE(a) < JO_RE(b))
 #define JO_LESS_OR_EQUAL(a, b) (JO_RE(a) <= JO_RE(b))
-#define JO_COMMON(x) JO_RE(x)                                      /* value that is equal in all lanes */
+#define JO_COMMON(x) JO_RE(x)                                      /* value of a number that is equal in all lanes */
 #define JO_PART(x, lane) ((void)(lane), JO_RE(x))
 static inline jo_real jo_same(double x) { return x; }              /* x in all lanes */
 #define JO_ALL 1
@@ -43,7 +43,7 @@ static inline int jo_every(jo_mask x) { return x; }
 static inline jo_real jo_choose(jo_mask x, jo_real a, jo_real b) { return x ? a : b; }
 static inline jo_real jo_magnitude(jo_real x) { return fabs(JO_RE(x)); }
 static inline double jo_floor(jo_real x) { return floor(JO_RE(x)); }
-static inline double jo_most(jo_real x) { return JO_RE(x); }       /* largest lane; NaN if any lane is NaN */
+static inline double jo_most(jo_real x) { return JO_RE(x); }       /* largest value of the lanes; NaN if any lane is NaN */
 static inline void jo_put(jo_real *y, jo_real x, int lane) { (void)lane; *y = x; }
 static inline void jo_only(jo_mask x, jo_real *y, int n) { (void)x; (void)y; (void)n; }   /* y = 0 in lanes where x is false */
 /* x = NaN in lanes that are not sound; returns whether no lane is sound */
@@ -97,7 +97,7 @@ static inline void jo_sums(jo_real *y, const jo_lanes a, const jo_lanes b, const
 #define JO_STORE(p) (*(jo_lanes *)(p))
 #define JO_PI 3.14159265358979323846
 #define JO_SINC_SERIES 0.04     /* square of the angle, rad2, below which Taylor series replace sin and cos: error below 1e-17 */
-#define JO_ROOT_SERIES 1e-6     /* |s - 1| below which a series of 1 / sqrt(s) is used: next term 3e-19 */
+#define JO_ROOT_SERIES 1e-6     /* value of |s - 1| below which 1 / sqrt(s) is computed by a series, whose next term is 3e-19 */
 #define JO_EACH(j, np) for (int j = 0; j < (np); j += JO_WIDTH)
 
 /* y = M x, M (3 x np) */

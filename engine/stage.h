@@ -4,24 +4,24 @@
 
 #include "small.h"
 
-/* What one unknown of Newton's matrix, an acceleration, changes: accelerations by a, velocities by v, increments of
- * the position by q. The rows of the joints are those of C' times rows, or of C. */
+/* Effect of one unknown of Newton's matrix, an acceleration: accelerations change by a, velocities by v, increments of the position by q.
+ * The rows of the joints are those of C' times rows, or those of C. */
 typedef struct {
     double a, v, q, rows;
     int position;           /* rows of C instead of C' */
-    int plain;              /* inertia forces change with accelerations only */
+    int plain;              /* inertia forces depend on accelerations only */
 } jo_weights;
 
 /* Parameters of an evaluation. All 0: the accelerations at the present state. */
 typedef struct {
     int set;                /* 1: stage of a Rosenbrock method, with effective modal masses E + g h D + (g h)^2 K */
     double gh;              /* its g h, s */
-    double lead;            /* time by which forces lead, s: time derivative of the forces in its matrix */
-    int earlier;            /* number of stages before; the matrix has the stiffness of beams and joint coordinates of the first */
+    double lead;            /* lead of the forces, s: the matrix of the method contains their time derivative */
+    int earlier;            /* number of earlier stages; the matrix uses the stiffness of beams and joint coordinates of the first stage */
     const double *rate, *acceleration;   /* (earlier) -s_ij and -z_ij of step_rosenbrock.c */
-    const jo_real *rates[JO_MOST_STAGES], *accelerations[JO_MOST_STAGES];   /* (earlier) of increments and velocities, (nw) each */
+    const jo_real *rates[JO_MOST_STAGES], *accelerations[JO_MOST_STAGES];   /* (earlier) rates of increments and of velocities, (nw) each */
     int second;             /* second stage of ROS2 with beams: solved for the change from the accelerations of stage 1, with its factors */
-    int smooth;             /* without friction, for the assembly of the joints */
+    int smooth;             /* whether friction is left out, for the assembly of the joints */
     double alpha, beta;     /* Baumgarte, 1/s, as in jo_solver */
     jo_weights weights;     /* weights of Newton's matrix */
 } jo_stage;

@@ -48,7 +48,8 @@ static inline void jo_nothing_valid(jo_data *d) { d->valid = (jo_valid){.jump = 
 /* change of time, q, v or of the forces */
 static inline void jo_state_changed(jo_data *d) { d->valid.accelerations = d->valid.kinematics = 0; }
 
-/* kinematics of bodies and markers are those of q, v; set only without valid accelerations, after which no evaluation would clear the bit */
+/* kinematics of bodies and markers belong to q, v; set only if accelerations are invalid, since otherwise no evaluation would clear the
+ * bit */
 static inline void jo_kinematics_placed(jo_data *d) { d->valid.kinematics = !d->valid.accelerations; }
 
 /* kinematics consumed by an evaluation, or outdated by a change of positions */
@@ -56,7 +57,7 @@ static inline void jo_kinematics_used(jo_data *d) { d->valid.kinematics = 0; }
 
 static inline void jo_accelerations_found(jo_data *d, int found) { d->valid.accelerations = found; }
 
-/* q and v were projected, with the kinematics of the bodies; in hybrid mode without those of the links */
+/* q and v were projected together with the kinematics of the bodies; in hybrid mode without those of the links */
 static inline void jo_state_projected(jo_data *d)
 {
     d->valid.accelerations = 0;
@@ -192,7 +193,7 @@ static inline int jo_marker_in_tree(const jo_data *d, int i) { return d->split.m
 static inline int jo_coordinate_in_tree(const jo_data *d, int i) { return d->split.coordinate[i]; }
 static inline int jo_joint_in_tree(const jo_data *d, int i) { return d->split.joint[i]; }
 
-/* whether the maximal-coordinate solver skips an item: in hybrid mode those in the trees */
+/* whether the maximal-coordinate solver skips an item; in hybrid mode it skips the items in trees */
 static inline int jo_body_inactive(const jo_data *d, int i) { return d->valid.hybrid && d->split.body[i]; }
 static inline int jo_marker_inactive(const jo_data *d, int i) { return d->valid.hybrid && d->split.marker[i]; }
 static inline int jo_coordinate_inactive(const jo_data *d, int i) { return d->valid.hybrid && d->split.coordinate[i]; }

@@ -2,8 +2,8 @@
 #ifndef JO_VALID_DATA_H
 #define JO_VALID_DATA_H
 
-/* How much of the maximal coordinates agrees with the joint coordinates x, u: nothing; the bodies of hybrid mode and their markers;
- * q and v; q, v, accelerations a and multipliers lam. */
+/* Which of the maximal coordinates agree with the joint coordinates x, u: none; the bodies of hybrid mode and their markers; q and v; q, v,
+ * accelerations a and multipliers lam. */
 typedef enum { JO_SYNC_NONE = 0, JO_SYNC_HYBRID = 1, JO_SYNC_STATE = 2, JO_SYNC_ALL = 3 } jo_sync_level;
 
 /* Validity bits, see the table in valid.h. */

@@ -12,9 +12,10 @@
 #include "maximal/maximal.h"
 #include "beam/beam.h"
 
-#define JO_MIN_HALF_COSINE 0.0707372    /* cos(3 rad / 2): larger rotations between the ends are near the jump at pi */
+/* cosine of 1.5 rad, half of a rotation of 3 rad: larger rotations between the ends are close to the jump at pi */
+#define JO_MIN_HALF_COSINE 0.0707372
 #define JO_RIGHT_ANGLE_TAU2 0.1715729   /* tau^2 = tan^2(pi/8) at a rotation of pi/2 between the ends */
-#define JO_ARC_SERIES 0.0225            /* tau^2 below which a series of atan is used, up to 0.6 rad: error below 1e-17 */
+#define JO_ARC_SERIES 0.0225            /* tau^2 below which atan is computed by a series (up to 0.6 rad), with an error below 1e-17 */
 
 /* z = x o y */
 static void product(jo_real *z, const jo_real *x, const jo_real *y)
@@ -32,7 +33,7 @@ static void transposed33(jo_real *restrict C, const jo_real *restrict A, const j
         for (int j = 0; j < 3; j++) C[3 * i + j] = A[i] * B[j] + A[3 + i] * B[3 + j] + A[6 + i] * B[6 + j];
 }
 
-/* a = atan(x)/x, mu = ((1 + s) a - 1)/s and d mu / ds of s = x^2, smooth at 0 */
+/* a = atan(x)/x, mu = ((1 + s) a - 1)/s and d mu / ds as functions of s = x^2, smooth at s = 0 */
 static jo_real arc(jo_beam_work *w)
 {
     const jo_real s = w->square;
@@ -223,7 +224,7 @@ int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a)
     return JO_OK;
 }
 
-/* square of the accelerations of the bodies by the forces of one element, in the norm of the masses: |n|^2 / m + |M|^2 / J */
+/* square of the accelerations that the forces of one element give its bodies, in the norm of the masses: |n|^2 / m + |M|^2 / J */
 double jo_beam_force_norm(const jo_model *m, const jo_data *d, int i)
 {
     const jo_beam_work *w = &d->beams.work[i];
@@ -289,7 +290,7 @@ void jo_beam_layout(const jo_model *m, jo_data *d, jo_arena *a)
     d->beams.stiff = jo_take_reals(a, JO_BEAM_KEPT * m->nbeam);
 }
 
-/* constants: quaternions of the end frames on the bodies, and terms that differ from 0 */
+/* constants: quaternions of the end frames on the bodies, and flags of the terms that are not 0 */
 void jo_beam_setup(const jo_model *m, jo_data *d)
 {
     static const double unit[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
@@ -306,7 +307,7 @@ void jo_beam_setup(const jo_model *m, jo_data *d)
     }
 }
 
-/* accepted state: largest rotation between the ends and largest tension / limit */
+/* at an accepted state: largest rotation between the ends, and largest ratio of tension and its limit */
 void jo_beam_accept(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nbeam; i++) {
@@ -318,7 +319,7 @@ void jo_beam_accept(const jo_model *m, jo_data *d)
     }
 }
 
-/* replaced state: no rotation of the last accepted state */
+/* after the state was replaced: the rotation at the last accepted state is unknown */
 void jo_beam_reset_history(jo_data *d)
 {
     for (int i = 0; i < d->beams.count; i++)

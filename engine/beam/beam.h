@@ -17,7 +17,7 @@ static inline void jo_beam_h(jo_real *y, const jo_beam_work *w, const jo_real *x
     y[0] = x[0] - w->mu * t[0]; y[1] = x[1] - w->mu * t[1]; y[2] = x[2] - w->mu * t[2];
 }
 
-/* whether the element has consistent mass and its damping */
+/* whether the element has consistent mass or damping of this mass */
 static inline int jo_beam_inertial(const jo_beam *b)
 {
     return JO_COMMON(b->data->share) != 0.0;
@@ -44,7 +44,8 @@ void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i, const jo_weigh
 void jo_beam_layout(const jo_model *m, jo_data *d, jo_arena *a);
 static inline double *jo_beam_bent(jo_data *d) { return d->beams.bent; }   /* (nbeam x 2), see jo_data_bent */
 void jo_beam_setup(const jo_model *m, jo_data *d);
-int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a);   /* with inertial forces at accelerations a; NULL: a = 0 */
+/* with inertial forces at accelerations a, where NULL stands for a = 0 */
+int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a);
 double jo_beam_force_norm(const jo_model *m, const jo_data *d, int i);
 jo_real jo_beam_stored(const jo_model *m, const jo_data *d);
 void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y);

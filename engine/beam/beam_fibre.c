@@ -1,7 +1,7 @@
 /* beam_fibre.c - Wagner effect of beam elements: axial strain of the fibres by twist (Wagner 1929; Biot 1939).
  *
- * A twist kappa about the shear centre adds the strain (r kappa)^2/2 to the fibre at distance r, on average over the section of area A
- * Ip/A kappa^2/2. With p = Ip/A about the shear centre
+ * A twist kappa about the shear centre adds the strain (r kappa)^2/2 to the fibre at distance r; the mean over a section of area A is Ip/A
+ * kappa^2/2. With p = Ip/A about the shear centre
  *   e_x = Gamma_x + p kappa_x^2/2 - that of the unstressed shape,   U = L/2 e . C e
  * The normal force N has a torque p N kappa_x, GJ becomes GJ + p N, and twist shortens the axis. Forces and tangents are those of the plain
  * element with J^T s instead of s, and J^T C J and the derivative of J instead of C, J = E + p kappa_x e1 e4^T.

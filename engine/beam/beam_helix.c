@@ -11,7 +11,7 @@
 
 #define JO_SERIES 0.5   /* square of half the rotation between the ends, rad2, below which the series of x / sin(x) is used */
 
-/* k, k', k'': of x/sin(x) = 1 + 2 x^2 sum (-1)^(m+1) / (m^2 pi^2 - x^2) */
+/* k, k', k'' from x/sin(x) = 1 + 2 x^2 sum (-1)^(m+1) / (m^2 pi^2 - x^2) */
 static void factor(jo_real k[3], const jo_real x)
 {
     static const double c[16] = {

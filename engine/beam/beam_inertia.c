@@ -1,11 +1,10 @@
-/* beam_inertia.c - consistent mass of a beam element beyond the lumped mass of its bodies, and mass-proportional damping of it.
+/* beam_inertia.c - consistent mass of a beam element beyond the lumped mass of its bodies, and mass-proportional damping of this mass.
  *
- * Each body has half of the mass of the element. `share` times (consistent - lumped mass) is added: with c = share m / 6 a force c
- * (x_b'' - x_a'') on end a and its opposite on b, and with the angular velocities W of the ends in their own frames the momentum p =
- * share/6 J (W_b - W_a) about end a, -p about b, whose
- * torques are p' + W_a x p and -p' - W_b x p. Damping is alpha times these momenta; the bodies damp their own.
- * The ends are points off the origins of the bodies: the derivatives of their accelerations with respect to positions and
- * velocities are the tangents K_acc and C_acc of Makinen, Marjamaki and Pajunen (eq. 13) in three dimensions.
+ * Each body has half of the mass of the element. `share` times (consistent - lumped mass) is added: with c = share m / 6 a force c (x_b'' -
+ * x_a'') on end a and its opposite on b, and with the angular velocities W of the ends in their own frames the momentum p = share/6 J (W_b
+ * - W_a) about end a, -p about b, whose torques are p' + W_a x p and -p' - W_b x p. Damping is alpha times these momenta; the damping of
+ * the lumped mass is computed with the bodies. The ends are points off the origins of the bodies: the derivatives of their accelerations
+ * with respect to positions and velocities are the tangents K_acc and C_acc of Makinen, Marjamaki and Pajunen (eq. 13) in three dimensions.
  */
 #include "newton/newton.h"
 #include "beam/beam.h"
@@ -18,7 +17,7 @@ typedef struct {
     jo_real W[3], Wd[3];    /* angular velocity and acceleration in the end's frame */
 } end_motion;
 
-/* motion of end k at accelerations a; NULL: a = 0 */
+/* motion of end k at accelerations a, where NULL stands for a = 0 */
 static void motion(const jo_model *m, const jo_data *d, const jo_beam *b, const int k, const jo_real *a, end_motion *y)
 {
     const int body = k ? b->b : b->a, iv = m->body[body].iv;
@@ -66,7 +65,7 @@ static jo_real momenta(const jo_beam *b, const end_motion *e, jo_real f[2][3], j
     return power;
 }
 
-/* forces on the bodies -= f, T at accelerations a; NULL: a = 0 */
+/* forces on the bodies -= f, T at accelerations a, where NULL stands for a = 0 */
 void jo_beam_inertia(const jo_model *m, jo_data *d, int i, const jo_real *a)
 {
     const jo_beam *b = &m->beam[i];

@@ -129,7 +129,7 @@ static void rate_operator(jo_real *E, const jo_real *B, const jo_beam_work *w, c
 {
     jo_real O[2][3 * ROW], om[3 * ROW], difference[3 * ROW], x[3], t[3];
     for (int j = 0; j < 3; j++) x[j] = w->om[1][j] - w->om[0][j];
-    for (int k = 0; k < 2; k++) {   /* derivatives of the angular velocities of ends and middle */
+    for (int k = 0; k < 2; k++) {   /* derivatives of the angular velocities of the ends and of the middle */
         zero(O[k], 3);
         add_cross(O[k], -1.0, w->om[k], p->end[k]);
     }
@@ -154,7 +154,7 @@ static void rate_operator(jo_real *E, const jo_real *B, const jo_beam_work *w, c
     for (int j = 3 * ROW; j < 6 * ROW; j++) E[j] /= L;
 }
 
-/* K (9 rows) = L B^T S; with B also (dB^T) s, the geometric stiffness */
+/* K (9 rows) = L B^T S; if B is given, plus (dB^T) s, the geometric stiffness */
 static void moments(jo_real *K, const jo_beam_work *w, const spins *p, const jo_real L, const jo_real *S, const jo_real *B)
 {
     jo_real t[3 * ROW], h[3 * ROW];
@@ -210,7 +210,7 @@ static inline void turn_left(jo_real *restrict Y, const jo_beam_work *w, const j
     }
 }
 
-/* R = s A^T turn: from increments of the bodies to the middle frame; turn NULL: E */
+/* R = s A^T turn: from increments of the bodies to the middle frame; turn NULL stands for E */
 static inline void columns_of(jo_real *R, const jo_real *A, const jo_real s, const jo_real *turn)
 {
     for (int i = 0; i < 3; i++) {
@@ -242,7 +242,7 @@ static void scatter(const jo_model *m, jo_data *d, const jo_beam *b, const jo_re
         }
 }
 
-/* lag += K x + D z with what was kept */
+/* lag += K x + D z with the stored K and D */
 void jo_beam_lag(const jo_model *m, const jo_data *d, const jo_real *x, const jo_real *z, jo_real *lag)
 {
     for (int i = 0; i < m->nbeam; i++) {
@@ -301,7 +301,7 @@ static void elastic(const jo_model *m, jo_data *d, const jo_stage *stage, const 
     }
     if (w->helical || w->fibrous) add_product(S, 1.0, changing, B);
     moments(K, w, &p, L, S, B);
-    if (stage->set) {   /* a Rosenbrock method: K and V stored for [r_b - r_a, rotations of a and b], without weights */
+    if (stage->set) {   /* a Rosenbrock method: K and D are stored without weights, for [r_b - r_a, rotations of a and b] */
         for (int v = 0; v < (w->damped ? 2 : 1) && !stage->earlier; v++) {
             zero(X, 9);
             for (int j = 0; j < 3; j++) columns_of(right[j], j ? w->G[j - 1] : w->Q, 1.0, 0);

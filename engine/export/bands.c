@@ -1,10 +1,10 @@
-/* bands.c - confidence bands of stress: exact for linear criteria, from differences along the roots of the covariance for others, and from
- * samples if the criterion is too nonlinear. */
+/* bands.c - confidence bands of stress: exact for linear criteria; for others from differences along the roots of the covariance or, if the
+ * criterion is too nonlinear, from samples. */
 #include "bands.h"
 #include <math.h>
 
 enum { BATCH = 8 };     /* tensors per call of jo_recover, JO_LANES */
-#define DETERMINED 1e-12    /* remaining variance / variance below which earlier components determine a component */
+#define DETERMINED 1e-12    /* ratio of remaining variance and variance of a component below which earlier components determine it */
 
 static int roots(const jo_plan *p) { return 6 + p->nerror + (p->scale > 0.0); }
 
@@ -26,8 +26,8 @@ void jo_band_blind(jo_band *b, const jo_plan *p)
     for (int i = 0; i < p->nspot; i++) b->value[i] = b->low[i] = b->high[i] = NAN;
 }
 
-/* root (6 x 6, in rows): independent deviations of a covariance, its Cholesky columns. 0 for components that earlier components determine to
- * a millionth. */
+/* root (6 x 6, in rows): independent deviations of a covariance, which are its Cholesky columns. Columns of components that earlier
+ * components determine to a millionth are 0. */
 static void root_of(double A[6][6], double *root)
 {
     for (int j = 0; j < 6; j++) {

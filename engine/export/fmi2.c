@@ -33,7 +33,7 @@ enum { DO_STEP_STATUS, PENDING_STATUS, LAST_SUCCESSFUL_TIME, TERMINATED };
 typedef struct {
     Log log;
     Environment environment;
-    int stopped;            /* whether an event ended the run */
+    int stopped;            /* whether an event has ended the run */
     char name[1];           /* first character of the name */
 } host;
 

@@ -24,7 +24,7 @@ enum { RUNNING = JO_FMU_EVENTS | JO_FMU_CONTINUOUS | JO_FMU_STEPS, READABLE = RU
        ANY = READABLE | JO_FMU_MADE | JO_FMU_BROKEN };
 #define MAY(name, modes) do { if (!jo_fmu_may(instance, name, modes)) return JO_FMU_ERROR; } while (0)
 
-typedef struct { Log log; Environment environment; Boolean early; } host;   /* early: whether a step may return early */
+typedef struct { Log log; Environment environment; Boolean early; } host;   /* early: whether a step may return before its end */
 
 static void forward(void *h, int status, const char *category, const char *text)
 {

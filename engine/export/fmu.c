@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define NEAR 1e-6           /* difference of times / step below which times are equal */
+#define NEAR 1e-6           /* relative difference of times, over the step, below which times are equal */
 #define MAX_STEPS 9e15      /* largest number of steps of a call: integers up to 2^53 are exact as doubles */
 
 static const char *const REASONS[] = {
@@ -34,7 +34,7 @@ int jo_fmu_say(jo_fmu *f, int status, const char *format, ...)
     return status;
 }
 
-/* new instance with its machine and work space; NULL without memory */
+/* new instance with its machine and work space; NULL if memory is missing */
 jo_fmu *jo_fmu_make(const char *name, const char *token, int exchange, int logging, jo_fmu_log log, void *host)
 {
     jo_fmu silent = {.log = log, .host = host, .logging = logging};
@@ -121,7 +121,7 @@ int jo_fmu_rates(jo_fmu *f, double *xdot)
     return JO_FMU_OK;
 }
 
-/* values of the variables refs (count) */
+/* get the values of the variables refs (count) */
 int jo_fmu_get(jo_fmu *f, const unsigned *refs, size_t count, double *values)
 {
     const jo_plant *p = &PLANT;
@@ -218,7 +218,7 @@ int jo_fmu_take(jo_fmu *f, void **state)
     if (!state) return JO_FMU_ERROR;
     const double head[HEAD] = {(double)state_bytes(f), f->exchange, f->mode, f->start, f->has_stop, f->stop};
     double *kept = *state;
-    const int other = !kept || kept[STATE_BYTES] != head[STATE_BYTES];   /* no memory of the size of this instance */
+    const int other = !kept || kept[STATE_BYTES] != head[STATE_BYTES];   /* the state does not belong to an instance of this size */
     double *made = other ? malloc(state_bytes(f)) : kept;
     if (!made) return jo_fmu_say(f, JO_FMU_ERROR, "no memory for a state");
     f->current = 0;

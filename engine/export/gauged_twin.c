@@ -1,4 +1,4 @@
-/* gauged_twin.c - Kalman filter or separate estimates of modal coordinates from strains; stress with confidence bands, and damage. */
+/* gauged_twin.c - modal coordinates from strains, by a Kalman filter or by separate estimates; stress with confidence bands, and damage. */
 #include "gauged_twin.h"
 #include "bands.h"
 #include <float.h>
@@ -7,10 +7,11 @@
 #include <stdint.h>
 #include <string.h>
 
-#define NO_VARIANCE 1e-300      /* smallest variance in relative changes of covariances, against division by 0 */
-#define DEPENDENT 1e-12         /* smallest / largest diagonal of R below which the gauges do not determine all modes */
-#define TIME_ROUNDING 1e-9      /* round-off of time / interval of the means */
-#define MAX_COUNT 9e15          /* largest integer in a memory: integers up to 2^53 are exact as doubles */
+#define NO_VARIANCE 1e-300      /* smallest variance in relative changes of covariances, which prevents division by 0 */
+/* ratio of the smallest and largest diagonal entry of R below which the gauges do not determine all modes */
+#define DEPENDENT 1e-12
+#define TIME_ROUNDING 1e-9      /* round-off of the time, relative to the interval of the means */
+#define MAX_COUNT 9e15          /* largest integer in a memory; doubles represent integers up to 2^53 exactly */
 
 /* indices of the first numbers of the memory */
 enum { AT_TIME, AT_ORIGIN, AT_INTERVAL, AT_SAMPLES, AT_NUMBER, AT_WATCHED, AT_SEEN, AT_USUAL, AT_STARTED, AT_LAP, AT_STEADY, AT_TOLD, HEADS };
@@ -23,11 +24,11 @@ struct jo_twin {
     /* trial gains and work space of products */
     double *K2, *S2, *P2, *pred, *T, *U, *Hs, *L, *lap_F, *lap_G, *lap_Q, *to_F, *to_G, *to_Q;
     double *x2, *y, *shown, *f2, *p, *dp, *cov, *moved, *V, *W, *scratch, *out;
-    const double *F, *Gu;   /* of the present number of steps between samples */
+    const double *F, *Gu;   /* matrices for the present number of steps between samples */
     jo_band band;
     double *seen, *seen2;
     unsigned char *states;
-    int fresh;              /* whether the band belongs to P */
+    int fresh;              /* whether the band was computed from the present P */
 };
 
 static int is_finite(double x) { return x >= -DBL_MAX && x <= DBL_MAX; }
@@ -45,7 +46,7 @@ static int largest_depth(const jo_plan *p)
     return most;
 }
 
-/* arrays from `base` on; returns the number of doubles; base NULL: count only */
+/* take the arrays from `base` on; returns the number of doubles; with base NULL they are only counted */
 static long long lay_out(jo_twin *k, const jo_plan *p, double *base)
 {
     long long at = 0;
@@ -205,8 +206,8 @@ static void backward(const double *L, double *b, int n)
 
 /* -- gains -------------------------------------------------------------------------------------- */
 
-/* gain K2 (nx x seen), variances S2 (seen) of the innovations and covariance P2 from pred, scaled by the noise of each channel; 0 if
- * singular */
+/* gain K2 (nx x seen), variances S2 (seen) of the innovations and covariance P2 from pred, scaled by the noise of each channel; returns 0
+ * if the matrix is singular */
 static int update(jo_twin *k, const double *seen)
 {
     const jo_plan *p = k->plan;
@@ -232,7 +233,7 @@ static int update(jo_twin *k, const double *seen)
         for (int j = 0; j <= i; j++) k->L[i * m + j] = k->L[j * m + i] = 0.5 * (k->L[i * m + j] + k->L[j * m + i]) + k->U[i * nc + j];
     for (int i = 0; i < m; i++) k->S2[i] = k->L[i * m + i] * scale[i] * scale[i];
     if (!cholesky(k->L, m)) return 0;
-    for (int j = 0; j < nx; j++) {                          /* a row of K at a time */
+    for (int j = 0; j < nx; j++) {                          /* one row of K at a time */
         double *row = k->K2 + (long long)j * m;
         for (int i = 0; i < m; i++) row[i] = k->T[(long long)i * nx + j];
         forward(k->L, row, m);
@@ -304,7 +305,7 @@ static int same(const double *a, const double *b, int n)
 
 typedef enum { FAILED = 0, KEPT = 1, NEW = 2, STEADY = 3 } outcome;
 
-/* gain of the next sample; a gain that repeats is stored */
+/* gain of the next sample; a gain that recurs is stored */
 static outcome gain(jo_twin *k, double lap, const double *seen)
 {
     const jo_plan *p = k->plan;
@@ -409,7 +410,7 @@ static void cross(const double *a, const double *b, double *c)
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* known modal forces f (n): of the motion of the frame (floating frame, docs/theory.md) and of the mean loads */
+/* known modal forces f (n), from the motion of the frame (floating frame, docs/theory.md) and the mean loads */
 static void known_forces(const jo_plan *p, const double *motion, const double *q, const double *dq, double *f)
 {
     const int n = p->n;
@@ -502,7 +503,7 @@ static void predict(jo_twin *k, const double *f, const double *seen)
     }
 }
 
-/* moved: deviations of the modes by each systematic gauge error, one column each */
+/* deviations of the modes by each systematic gauge error, one column per error */
 static void deviations(jo_twin *k, int first)
 {
     const jo_plan *p = k->plan;
@@ -576,7 +577,7 @@ static double *meter_of(jo_twin *k, int which, int spot)
     return at + (long long)spot * (JO_METER + p->meter[which].depth);
 }
 
-/* damage of the estimated cycles, and with peaks increased or reduced by half of the band width; watched time */
+/* damage of the estimated cycles, also with peaks increased and reduced by half of the band width; watched time */
 static void count_cycles(jo_twin *k, double time, int told)
 {
     const jo_plan *p = k->plan;

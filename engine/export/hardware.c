@@ -25,7 +25,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { MOST = 4096 };       /* largest count of numbers of a frame */
+enum { MOST = 4096 };       /* largest count of numbers in a frame */
 #define WAIT 0.05           /* longest waiting time for a frame, s, between checks for the end */
 static union { double number; char bytes[PLANT_BYTES]; } memory;
 static unsigned char frame[JO_FRAME_HEAD + 8 * MOST + 8];
@@ -34,8 +34,8 @@ static volatile sig_atomic_t ended;
 
 typedef struct {
     int socket;
-    struct sockaddr_in from, peer;  /* senders of the last frame and of the last accepted frame */
-    int known;              /* whether there is a peer */
+    struct sockaddr_in from, peer;  /* addresses of the senders of the last frame and of the last accepted frame */
+    int known;              /* whether the address of the other side is known */
     unsigned char *map;     /* shared memory; NULL: UDP */
     uint64_t seen;          /* count of the last inputs that were read */
 } link_to;
@@ -104,7 +104,7 @@ static void set_count(unsigned char *place, uint64_t value)
     for (int i = 0; i < 8; i++) to[i] = (unsigned char)(value >> (8 * i) & 0xff);
 }
 
-/* receive a frame into `frame`; returns its size, 0: none; patient: wait up to WAIT */
+/* receive a frame into `frame`; returns its size, 0 if there is none; patient: wait up to WAIT */
 static long receive(link_to *l, int patient)
 {
     if (!l->map) {

@@ -1,4 +1,4 @@
-/* machine.c - one instance of a constant plant in memory of the caller. */
+/* machine.c - one instance of a constant plant, in memory provided by the caller. */
 #include "machine.h"
 #include <float.h>
 #include <math.h>
@@ -12,14 +12,14 @@ struct jo_machine {
     jo_data *data;
     jo_real *tunable, *row;
     long long steps;
-    int known;              /* whether row belongs to the present state */
-    int status;             /* last jo_status other than JO_OK */
+    int known;              /* whether `row` was computed for the present state */
+    int status;             /* last jo_status that was not JO_OK */
 };
 
-enum { MARK = 20261126, HEAD = 4 };   /* identification and number of the first entries of a saved state: mark, size, steps, step length */
+enum { MARK = 20261126, HEAD = 4 };   /* mark of a saved state, and number of its first entries: mark, size, steps, step length */
 
 #define MIN_NORM2 1e-6      /* smallest square of the norm of Euler parameters that can be normalised */
-#define NORM2_RANGE 4.0     /* largest square of the norm of saved Euler parameters, or its inverse */
+#define NORM2_RANGE 4.0     /* largest square of the norm of saved Euler parameters, and inverse of the smallest square */
 #define MAX_COUNT 9e15      /* largest number of steps: integers up to 2^53 are exact as doubles */
 
 static long long rounded(long long bytes) { return (bytes + 63) / 64 * 64; }

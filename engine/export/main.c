@@ -40,5 +40,5 @@ int main(int argc, char **argv)
     return 0;
 }
 #else
-typedef int jo_no_main;   /* a file is not empty */
+typedef int jo_no_main;   /* a source file must not be empty */
 #endif

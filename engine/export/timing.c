@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <time.h>
 
-enum { BINS = 400 };        /* bins of the histogram, each WIDTH times the one before */
+enum { BINS = 400 };        /* bins of the histogram, each WIDTH times as wide as the previous one */
 #define FIRST 100.0         /* upper edge of the first bin, ns */
-#define WIDTH 1.05          /* upper edge / upper edge of the bin before */
+#define WIDTH 1.05          /* ratio of the upper edges of a bin and the previous bin */
 static union { double number; char bytes[PLANT_BYTES]; } memory;
 
 enum { PRIORITY = 10 };     /* real-time priority, 1 .. 99, below that of device drivers */

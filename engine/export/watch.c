@@ -72,13 +72,13 @@ static int save(const jo_twin *twin, const char *path)
     int good = fwrite(saved, 1, size, file) == size;
     good = fclose(file) == 0 && good;
     if (good && rename(beside, path)) {
-        remove(path);           /* systems on which rename does not replace files */
+        remove(path);           /* on systems on which rename does not replace files */
         good = !rename(beside, path);
     }
     return good;
 }
 
-/* load the memory; returns 1 also if there is no file yet, 0 if it is not one of this twin */
+/* load the memory; returns 1 also if there is no file yet, 0 if the file does not belong to this twin */
 static int load(jo_twin *twin, const char *path)
 {
     FILE *file = fopen(path, "rb");
@@ -137,5 +137,5 @@ int main(int argc, char **argv)
     return ferror(file) ? 1 : 0;
 }
 #else
-typedef int jo_no_main;   /* a file is not empty */
+typedef int jo_no_main;   /* a source file must not be empty */
 #endif

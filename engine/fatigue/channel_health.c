@@ -5,8 +5,8 @@
 #include "jousto.h"
 #include <math.h>
 
-#define MIN_STEP 1e-12  /* smallest usual step between samples, unit of the channel: channels that stand still have steps of 0 */
-#define STEP_CAP 4.0    /* step / usual step up to which a step enters the mean */
+#define MIN_STEP 1e-12  /* smallest usual step between samples, unit of the channel, since the steps of a constant channel are 0 */
+#define STEP_CAP 4.0    /* ratio of a step and the usual step up to which the step enters the mean */
 
 static double smaller(double a, double b) { return a < b ? a : b; }
 static double larger(double a, double b) { return a > b ? a : b; }
@@ -38,7 +38,7 @@ static int channel(const jo_health *r, double *m, long long n, double x, int sta
     }
     const int good = state == JO_VALUE_OK;
     if (good && isfinite(step)) {
-        /* cap: a valid jump must not raise the mean step such that the next jump is not detected */
+        /* limit: a valid jump must not raise the mean step so much that the next jump is not detected */
         const double capped = known ? smaller(step, STEP_CAP * usual + MIN_STEP) : step;
         m[JO_HEALTH_USUAL * n] = usual + larger(r->follow, 1.0 / (1.0 + seen)) * (capped - usual);
         m[JO_HEALTH_SEEN * n] = seen + 1.0;

@@ -9,7 +9,7 @@
 #include "fatigue/rainflow.h"
 #include <math.h>
 
-enum { CELLS = 24 };   /* intervals between levels in the range of a line */
+enum { CELLS = 24 };   /* number of intervals between levels in the range of a line */
 /* relative difference of damage below which planes are equal: round-off of sums, amplified by the slope of the S-N curve */
 #define TIE 1e-9
 
@@ -38,7 +38,7 @@ static double cycle(const jo_planes *r, const jo_meter *curve, double from, doub
 
 static double larger(double a, double b) { return a > b ? a : b; }
 
-/* damage by the four-point count of x (count) from sample `start` on, cyclically; sn (count): normal stress;
+/* damage by the four-point count of x (count), continued cyclically from sample `start`; sn (count): normal stress;
  * z and seg (count + 1): turning points and the largest normal stress between each and the next */
 static double counted(const jo_planes *r, const jo_meter *curve, const double *x, const double *sn, long long count,
                       long long start, double *z, double *seg)
@@ -69,7 +69,7 @@ static double counted(const jo_planes *r, const jo_meter *curve, const double *x
     }
     if (r->residue == JO_RESIDUE_HALF)
         for (long long i = 0; i + 1 < n; i++) sum += 0.5 * cycle(r, curve, z[i], z[i + 1], seg[i]);
-    if (round && n > 2) sum += cycle(r, curve, z[0], z[1], seg[0]);   /* largest range, closed by the repetition */
+    if (round && n > 2) sum += cycle(r, curve, z[0], z[1], seg[0]);   /* largest range, which the repetition of the history closes */
     return sum;
 }
 
@@ -93,7 +93,7 @@ static void extremes(const double *x, long long nt, double *low, double *high)
     }
 }
 
-/* first sample of the count; for `repeat` that of the largest magnitude, with which all cycles close within one round */
+/* first sample of the count; for `repeat` the sample of largest magnitude, since all cycles then close within one round */
 static long long beginning(const jo_planes *r, const double *x, long long nt)
 {
     long long at = 0;
@@ -120,7 +120,7 @@ static double crossed(const jo_planes *r, const jo_meter *curve, const double *x
         here = next;
         if (t + 1 < nt) turns += (x[t + 1] - x[t]) * (x[t] - x[t - 1]) <= 0.0;
     }
-    /* crossings of each level, descending; + 1 for the cyclic continuation and half cycles */
+    /* crossings of each level, descending; + 1 for the cyclic continuation and for half cycles */
     double sum = 0.0;
     for (int i = 1; i < CELLS; i++) {
         sum += ends[i];
@@ -177,7 +177,7 @@ static void resolved(const jo_planes *r, long long plane, const double *s, long 
     project(row + 12, s, nt, h->v);
 }
 
-/* bound 1 / number of cycles of each line: damage of a cycle of its whole range; negative: constant history */
+/* bound 1 / number of cycles of each line: damage of a cycle over its whole range; negative for a constant history */
 static void bounds(const jo_planes *r, const jo_meter *curve, const double *s, long long nt, const history *h, double *bound)
 {
     double low, high, least, top;
@@ -185,7 +185,7 @@ static void bounds(const jo_planes *r, const jo_meter *curve, const double *s, l
         resolved(r, i, s, nt, h);
         extremes(h->sn, nt, &least, &top);
         if (!has_lines(r)) {
-            /* no bound with a mean stress correction */
+            /* no bound if there is a mean stress correction */
             bound[i] = least == top ? -1.0 : curve->mean ? INFINITY : jo_cycle_damage(curve, least, top);
             continue;
         }
@@ -233,7 +233,7 @@ void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s,
         bound[order[q]] = counted(r, curve, series, sn, nt, beginning(r, series, nt), z, seg);
         if (bound[order[q]] > *damage) *damage = bound[order[q]];
     }
-    /* lines that were not counted have less damage; first one of planes that are equal to round-off */
+    /* lines that were not counted have less damage; of planes with equal damage (up to round-off) the first one counts */
     for (; q < count; q++) bound[order[q]] = -1.0;
     for (q = 0; q < count; q++) {
         if (bound[q] > 0.0 && bound[q] >= *damage * (1.0 - TIE)) {

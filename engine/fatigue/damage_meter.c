@@ -65,16 +65,16 @@ double jo_cycle_damage(const jo_meter *r, double from, double to)
     const double s = jo_cycle_amplitude(r, from, to);
     if (s < r->cut || s == 0.0) return 0.0;
     const double slope = s >= r->amplitude ? r->slope : r->below;
-    if (!(slope <= DBL_MAX)) return 0.0;   /* infinite: no damage below the knee */
+    if (!(slope <= DBL_MAX)) return 0.0;   /* infinite slope: no damage below the knee */
     return pow(s / r->amplitude, slope) / r->cycles;
 }
 
-/* range / amplitude of the knee of the S-N curve below which a range is round-off of the history */
+/* range / amplitude of the knee of the S-N curve, below which a range is round-off of the history */
 #define ROUNDING 1e-12
 
 /* -- the stack ---------------------------------------------------------------------------------- */
 
-/* Kahan summation: no loss of the damage of 1e9 small cycles */
+/* Kahan summation, which retains the damage of 1e9 small cycles */
 static void add_damage(double *m, double damage)
 {
     volatile double y = damage - m[JO_METER_ROUNDING], sum = m[JO_METER_DAMAGE] + y;
@@ -122,7 +122,7 @@ static int push(const jo_meter *r, double *m, double x, double *cycles)
         return 0;
     }
     const double top = z[n - 1];
-    if (fabs(x - top) <= ROUNDING * r->amplitude) return 0;   /* round-off is no turning point */
+    if (fabs(x - top) <= ROUNDING * r->amplitude) return 0;   /* round-off does not make a turning point */
     if (n > 1 && (x > top) == (top > z[n - 2])) {
         z[n - 1] = x;   /* further in the same direction */
     } else {

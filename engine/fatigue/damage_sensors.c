@@ -40,7 +40,7 @@ void jo_damage_setup(const jo_model *m, jo_data *d)
     }
 }
 
-/* whether the state at `time` has not been counted, also when a run is continued from it */
+/* whether the state at `time` has not been counted yet, also if a run is continued from it */
 static int is_new(const double *memory, double time)
 {
     return memory[JO_METER_SAMPLES] + memory[JO_METER_DROPPED] == 0.0 || memory[JO_METER_TIME] != time;

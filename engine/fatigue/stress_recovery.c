@@ -12,8 +12,8 @@
 enum { CHUNK = 64 };   /* instants of one tile at a time */
 #define NO_DEVIATOR 1e-150  /* sqrt(J2 / 3), unit of stress, below which the tensor is hydrostatic: its square must not underflow */
 
-/* |sum| / difference of the extreme principal values below which their sum counts as 0: in pure shear round-off would decide the sign. Near
- * two equal values the cubic equation below has half of the digits, 1e-8. */
+/* |sum| / difference of the extreme principal values below which their sum counts as 0, since in pure shear round-off would decide the
+ * sign. Near two equal values the cubic equation below is accurate to half of the digits only, 1e-8. */
 static const double SUM_ROUNDING = 1e-7;
 
 typedef struct {
@@ -161,7 +161,7 @@ static void judge_tensors(const rule *c, double acc[6][JO_LANES], double *restri
     }
 }
 
-/* values of one tile; callers pass `rows` as a constant, so that the sums are in registers */
+/* values of one tile; callers pass `rows` as a constant, so that the compiler keeps the sums in registers */
 static inline void instants(const double *S, int rows, int k, const double *p, long long t, int count, const rule *c,
                             double out[CHUNK][JO_LANES])
 {
@@ -246,7 +246,7 @@ void jo_principal(const double *s, long long count, double *values, double *dire
     for (long long i = 0; i < count; i++, s += 6) {
         double *value = values + 3 * i;
         const int l = (int)(i % JO_LANES);
-        if (l == 0) {   /* next JO_LANES tensors, padded with the last one */
+        if (l == 0) {   /* next JO_LANES tensors; the last tensor fills the remaining lanes */
             const int more = lesser(JO_LANES, count - i);
             for (int j = 0; j < JO_LANES; j++)
                 for (int r = 0; r < 6; r++) tensors[r][j] = s[6 * (j < more ? j : more - 1) + r];
@@ -271,7 +271,7 @@ void jo_principal(const double *s, long long count, double *values, double *dire
         const double uu = u[0] * Su[0] + u[1] * Su[1] + u[2] * Su[2], tt = t[0] * St[0] + t[1] * St[1] + t[2] * St[2];
         const double ut = u[0] * St[0] + u[1] * St[1] + u[2] * St[2];
         const double angle = 0.5 * atan2(2.0 * ut, uu - tt), cosine = cos(angle), sine = sin(angle);
-        double *N = directions + 9 * i;   /* row-major, column j belongs to value j */
+        double *N = directions + 9 * i;   /* row-major; column j belongs to value j */
         for (int j = 0; j < 3; j++) {
             const double high = cosine * u[j] + sine * t[j], low = cosine * t[j] - sine * u[j];
             N[3 * j] = apart == 0 ? n[j] : high;

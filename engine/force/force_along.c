@@ -3,7 +3,7 @@
 #include "newton/newton.h"
 #include "force/force.h"
 
-/* signal at `time`; 0 for signal -1 */
+/* signal at `time`; 0 if there is no signal (-1) */
 static jo_signal_work optional(const jo_model *m, const jo_data *d, int signal, jo_real time)
 {
     const jo_signal_work none = {0.0, 0.0, 0.0};

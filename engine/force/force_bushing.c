@@ -6,8 +6,8 @@
 #include "newton/newton.h"
 #include "force/force.h"
 
-#define JO_SMALL_TANGENT2 1e-3  /* tan^2 of half the angle below which a series of atan is used: error below 1e-17 */
-#define JO_SMALL_ANGLE2 0.01    /* square of the angle, rad2, below which a series of (1 - x cot x) / x^2 is used */
+#define JO_SMALL_TANGENT2 1e-3  /* tan^2 of half the angle below which atan is computed by a series, with an error below 1e-17 */
+#define JO_SMALL_ANGLE2 0.01    /* square of the angle, rad2, below which (1 - x cot x) / x^2 is computed by a series */
 
 /* theta = 2 atan(|v| / e0) v / |v|: rotation vector of R, |theta| <= pi, from its quaternion [e0, v] */
 static void rotation_vector(jo_real *theta, const jo_real *R)

@@ -3,7 +3,7 @@
 #include "newton/newton.h"
 #include "force/force.h"
 
-/* force and torque times the signal at the present time + lead; power at the present time */
+/* force and torque times the signal at the present time + lead; power with the signal at the present time */
 static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y)
 {
     const jo_load_data *x = (const jo_load_data *)f->data;

@@ -4,14 +4,14 @@
  * 2006, ch. 3):
  *   u = kp (b r - y) + I - kd cut (y - yf) + feedforward, f = u within lower .. upper
  *   I' = ki (r - y) + unwind (f - u), yf' = cut (y - yf)
- * cut = 1 / filter, or 1 / (filter_share kd / kp) where that is 0; unwind = 1 / tracking, or 1 / (tracking_share kp / ki); 0 where
- * there is no such time. States: I, yf.
+ * cut = 1 / filter, or 1 / (filter_share kd / kp) if filter is 0; unwind = 1 / tracking, or 1 / (tracking_share kp / ki) if tracking is 0;
+ * both are 0 if there is no such time. States: I, yf.
  */
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/force.h"
 
-#define JO_SLOW_SHARE 1e-3  /* rate x duration of the run / size of the mechanism below which rates do not count (step_control.c) */
+#define JO_SLOW_SHARE 1e-3  /* rates below this share of size of the mechanism / duration of the run do not count (step_control.c) */
 
 typedef struct {
     jo_real y, r, rest;     /* measured value, reference, u - I */
@@ -19,7 +19,7 @@ typedef struct {
 
 static const jo_pid_data *numbers(const jo_force *f) { return (const jo_pid_data *)f->data; }
 
-/* 1 / time, or 1 / (share gain / by) for time 0; 0 if both times are 0 */
+/* 1 / time, or 1 / (share gain / by) if time is 0; 0 if both times are 0 */
 static jo_real rate_of(jo_real time, jo_real share, jo_real gain, jo_real by)
 {
     const jo_real none = jo_same(0.0), usual = jo_choose(JO_LESS(none, share), share * gain / by, none);
@@ -53,14 +53,14 @@ static jo_real limited(const jo_pid_data *x, jo_real u)
     return jo_choose(JO_LESS(u, x->lower), x->lower, u);
 }
 
-/* u > upper or u < lower */
+/* whether u > upper or u < lower */
 static jo_mask beyond(const jo_pid_data *x, jo_real u)
 {
     return JO_LESS(x->upper, u) | JO_LESS(u, x->lower);
 }
 
 /* States of an implicit step at the present position and velocity. If u without limits is beyond a limit, the rate of I includes the
- * back-calculation; this rate decreases with I: the solution is unique and beyond the same limit. */
+ * back-calculation; this rate decreases with I, so that the solution is unique and beyond the same limit. */
 static void condense(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f)
 {
     const jo_pid_data *x = numbers(f);
@@ -74,7 +74,7 @@ static void condense(const jo_model *m, jo_data *d, const jo_stage *stage, const
     jo_condense_state(m, d, stage, f->state, rate + unwind * (limited(x, u) - u), unwind);
 }
 
-/* derivatives for the matrix of a Rosenbrock method; 0 for the force beyond a limit */
+/* derivatives for the matrix of a Rosenbrock method; 0 if the force is limited */
 static void slopes(jo_data *d, const jo_force *f, jo_real u, jo_force_work *y)
 {
     const jo_pid_data *x = numbers(f);
@@ -117,8 +117,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     return JO_OK;
 }
 
-/* derivatives of the force: in a step including the response of the states; for equilibria and vibrations with constant I and
- * yf = y */
+/* derivatives of the force: in a step with the response of the states; for equilibria and vibrations with constant I and yf = y */
 static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y)
 {
     const jo_pid_data *x = numbers(f);
@@ -148,7 +147,8 @@ static void start(const jo_model *m, const jo_data *d, const jo_force *f, jo_rea
     x[1] = measured(d, f);
 }
 
-/* nominal values: of yf size of the mechanism or 1 rad (rates: JO_SLOW_SHARE of this / duration), of I this times kp + ki duration */
+/* nominal values of the states: of yf the size of the mechanism or 1 rad (for rates JO_SLOW_SHARE of it / duration), of I this value times
+ * kp + ki duration */
 static void nominals(const jo_model *m, const jo_force *f, double duration, double *x)
 {
     const jo_pid_data *p = numbers(f);

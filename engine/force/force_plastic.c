@@ -5,18 +5,19 @@
  * (Armstrong, Frederick, CEGB report RD/B/N731 (1966); Simo, Hughes, Computational Inelasticity (1998), chapter 1).
  *
  * States: plastic deformation p, back force X, length l of the plastic path, dissipated energy, direction of the flow at the end of the
- * last step (1, -1; 0: none). They are those at the start of a step and constant within it: the law does not depend on the rate, so that
- * the force is a function of s until s turns, the return map from these states. The end of a step replaces them
+ * last step (1, -1; 0: none). The states keep their values from the start of a step within the step. The law does not depend on the rate;
+ * until s turns, the force is therefore a function of s, given by the return map from these states. The end of a step replaces them
  * (jo_accept_yielding), and steps end where yielding begins and where s turns (margin below). */
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/force.h"
 
 enum { PLASTIC, BACK, PATH, LOSS, FLOW, STATES };
-enum { JO_RETURNS = 60 };       /* iterations of the return map, which converges monotonically; a step takes 1 to 6 */
-#define JO_RETURNED 4e-16       /* change / length of the flow at which the return map has converged */
-#define JO_YIELD_MARGIN 1e-10   /* excess over the yield force / strength from which on a step counts as yielding: above round-off */
-#define JO_SERIES 0.03          /* argument below which the functions of exponentials are series; error of the series: 1e-16 */
+enum { JO_RETURNS = 60 };       /* largest number of iterations of the return map, which converges monotonically; a step takes 1 to 6 */
+#define JO_RETURNED 4e-16       /* change relative to the length of the flow at which the return map has converged */
+/* excess over the yield force, relative to the strength, above which a step counts as yielding; larger than round-off */
+#define JO_YIELD_MARGIN 1e-10
+#define JO_SERIES 0.03          /* argument below which the functions of exponentials are computed by series, with an error of 1e-16 */
 
 /* The spring at the present coordinate. */
 typedef struct {
@@ -41,13 +42,13 @@ static jo_real mean_growth(jo_real x)
     return (1.0 - mean_decay(x)) / x;
 }
 
-/* s X after a flow dl in direction s, from its value u before: u + (C - G u) dl (1 - exp(-G dl)) / (G dl) */
+/* s X after a flow dl in direction s, from its previous value u: u + (C - G u) dl (1 - exp(-G dl)) / (G dl) */
 static jo_real back_force(const jo_plastic_data *x, jo_real u, jo_real dl)
 {
     return u + (x->kinematic - x->recovery * u) * dl * mean_decay(x->recovery * dl);
 }
 
-/* increase of R by a flow dl from the path l */
+/* increase of R by a flow dl that begins at the path length l */
 static jo_real hardening(const jo_plastic_data *x, jo_real l, jo_real dl)
 {
     return x->isotropic * dl + x->saturation * jo_exp(-x->rate * l) * x->rate * dl * mean_decay(x->rate * dl);
@@ -61,7 +62,8 @@ static jo_real modulus(const jo_plastic_data *x, jo_real u, jo_real l, jo_real d
     return x->kinematic - x->recovery * back_force(x, u, dl) + x->isotropic + x->saturation * x->rate * jo_exp(-x->rate * (l + dl));
 }
 
-/* Flow dl > 0 with excess - k dl - (increase of s X + R) = 0. The left side falls and is convex: Newton's method from 0 converges from below. */
+/* Flow dl > 0 with excess - k dl - (increase of s X + R) = 0. The left side is decreasing and convex: Newton's method from 0 converges from
+ * below. */
 static jo_real flow(const jo_plastic_data *x, jo_real u, jo_real l, jo_real excess)
 {
     jo_real dl = jo_same(0.0);
@@ -97,7 +99,7 @@ static jo_spring_state state_at(const jo_plastic_data *x, const jo_real *x0, jo_
     const jo_real pull = y.force - x0[BACK];
     const double side = JO_RE(pull) < 0.0 ? -1.0 : 1.0;
     y.excess = side * pull - radius(x, x0[PATH]);
-    if (JO_RE(y.excess) < -JO_YIELD_MARGIN * JO_RE(x->strength)) y.x[FLOW] = jo_same(0.0);   /* else at the end of the flow before */
+    if (JO_RE(y.excess) < -JO_YIELD_MARGIN * JO_RE(x->strength)) y.x[FLOW] = jo_same(0.0);   /* otherwise at the end of the previous flow */
     if (!(JO_RE(y.excess) > 0.0)) return y;
     const jo_real u = side * x0[BACK], dl = flow(x, u, x0[PATH], y.excess), H = modulus(x, u, x0[PATH], dl);
     y.x[PLASTIC] += side * dl;
@@ -110,7 +112,7 @@ static jo_spring_state state_at(const jo_plastic_data *x, const jo_real *x0, jo_
     return y;
 }
 
-/* slope of the force in the step ahead: where a flow goes on from the step before that of the flow */
+/* slope of the force in the next step: if a flow continues from the previous step, the slope of the flow */
 static jo_real slope_ahead(const jo_plastic_data *x, const jo_real *x0, const jo_spring_state *s)
 {
     const double going = JO_RE(x0[FLOW]);
@@ -141,7 +143,7 @@ static jo_real stored(const jo_data *d, const jo_force *f)
     return energy_of(numbers(f), &s);
 }
 
-/* states stay within a step; the slope of the force for the matrix of a Rosenbrock method */
+/* the states are constant within a step; the slope of the force for the matrix of a Rosenbrock method */
 static void keep_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y, jo_real slope)
 {
     static const jo_slopes_of_state none = {0.0, 0.0, 0.0, 0.0};
@@ -181,7 +183,7 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
     return JO_OK;
 }
 
-/* without deformation before; a start beyond the yield force has flowed there */
+/* no previous deformation; a spring that starts beyond the yield force has already yielded */
 static void start(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x)
 {
     static const jo_real none[STATES] = {0.0};
@@ -191,7 +193,7 @@ static void start(const jo_model *m, const jo_data *d, const jo_force *f, jo_rea
     x[LOSS] = x[FLOW] = jo_same(0.0);
 }
 
-/* they do not change within a step: their errors do not matter */
+/* the states do not change within a step, so their errors do not matter */
 static void nominals(const jo_model *m, const jo_force *f, double duration, double *x)
 {
     (void)m; (void)f; (void)duration;
@@ -208,7 +210,7 @@ static jo_real update(const jo_data *d, const jo_force *f, jo_real *x)
     return x[LOSS] - x0[LOSS];
 }
 
-/* < 0: yielding has begun in the step, or a flow has turned */
+/* negative: yielding has begun in the step, or a flow has reversed */
 static jo_real margin(const jo_data *d, const jo_force *f)
 {
     const jo_real going = states(d, f)[FLOW];

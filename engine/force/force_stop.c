@@ -13,7 +13,7 @@ typedef struct {
     jo_real beyond, out, share, slope;   /* d, 1 or -1 for the side, loss s and its derivative with respect to d' */
 } jo_stop_state;
 
-/* penetration, side, loss s(d'/speed) and its derivative at the present coordinate */
+/* penetration, side, loss s(d'/speed) and its derivative with respect to d', at the present coordinate */
 static jo_stop_state state_of(const jo_data *d, const jo_force *f)
 {
     const jo_coordinate_work *w = &d->coordinate[f->coordinate];

@@ -1,4 +1,4 @@
-/* force_table.c - table of the kinds of force, and loops over all forces: apply, energy, tangent, states. */
+/* force_table.c - table of the kinds of force, and loops over all forces: force, energy, tangent, states. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "force/force.h"
@@ -18,7 +18,7 @@ static void rest_states(const jo_model *m, jo_data *d, const jo_stage *stage, co
     }
 }
 
-/* force of one element, 0 after its release */
+/* force of one element; 0 after its release */
 int jo_apply_force(const jo_model *m, jo_data *d, const jo_stage *stage, int force)
 {
     static const jo_force_work none = {{0.0}, 0.0, 0.0, 0.0};
@@ -29,7 +29,7 @@ int jo_apply_force(const jo_model *m, jo_data *d, const jo_stage *stage, int for
     return JO_OK;
 }
 
-/* forces of all elements; error_index: force */
+/* forces of all elements; on failure error_index is the number of the force */
 int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nforce; i++) {

@@ -2,8 +2,8 @@
 #include "newton/newton.h"
 #include "force/force.h"
 
-#define JO_DIFFERENCE 1e-7       /* forward difference / size of the argument; rad for rotations; about the root of round-off, 1.5e-8 */
-#define JO_SMALL_DISTANCE 1e-3  /* smallest distance / size of the mechanism to which differences of positions are relative */
+#define JO_DIFFERENCE 1e-7       /* step of forward differences, relative to the argument or in rad; about the root of round-off, 1.5e-8 */
+#define JO_SMALL_DISTANCE 1e-3  /* smallest distance, relative to the size of the mechanism, that scales the differences of positions */
 
 /* y (6) = result of the user's function at `time`, for real arguments; JO_CALLBACK_FAILED if it fails or is not finite */
 static int ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y)

@@ -21,7 +21,7 @@ static jo_signal_work harmonic(const jo_harmonic_data *c, jo_real time)
     return y;
 }
 
-/* interval of `time` in a lane; -1 before the first, count - 1 after the last point */
+/* interval of `time` in a lane: -1 before the first point, count - 1 after the last one */
 static int place(const jo_signal *s, jo_real time, int lane)
 {
     const jo_real *x = s->data;

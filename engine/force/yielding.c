@@ -25,7 +25,7 @@ jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k)
     return jo_released(d, f->release) ? jo_same(1.0) : jo_yielding_of(f)->margin(d, f);
 }
 
-/* states of force k of those that yield, at the present coordinates; returns what it has dissipated in the step */
+/* states of the k-th force that yields, at the present coordinates; returns the energy dissipated in the step */
 static jo_real update_of(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x)
 {
     for (int i = 0; i < f->states; i++) x[i] = jo_states(m, d)[f->state + i];
@@ -47,7 +47,7 @@ void jo_yield(const jo_model *m, jo_data *d)
 {
     if (!m->nyielding) return;
     jo_state_changed(d);
-    if (jo_yielding_ready(m, d) == JO_OK) jo_accept_yielding(m, d);   /* never fails: it needs no accelerations */
+    if (jo_yielding_ready(m, d) == JO_OK) jo_accept_yielding(m, d);   /* cannot fail, since it needs no accelerations */
     jo_state_changed(d);
 }
 
@@ -68,7 +68,7 @@ void jo_force_state(const jo_model *m, const jo_data *d, int force, int state, j
     y[0] = x[state];
 }
 
-/* the list of the forces that yield, and where states are without a model */
+/* the list of the forces that yield, and their states if there is no model */
 void jo_force_setup(const jo_model *m, jo_data *d)
 {
     int k = 0;

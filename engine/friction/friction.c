@@ -9,7 +9,7 @@
 #include "friction/friction_law.h"
 #include "tree/tree.h"
 
-#define JO_OVERLOAD 1e-9    /* excess of the holding force / static friction that counts as round-off */
+#define JO_OVERLOAD 1e-9    /* excess of the holding force, relative to the static friction, that counts as round-off */
 
 /* y (6) = reaction of the joint for multipliers lam, in the axes of side 0 */
 void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y)
@@ -55,7 +55,7 @@ void jo_friction_slip(const jo_model *m, const jo_data *d, const jo_friction *f,
     for (int k = 0; k < jo_slips(f); k++) s[k] = jo_slip_arm(m, f, k) * d->coordinate[jo_slip_of(f, k)].rate;
 }
 
-/* unit direction e (2) of the slip: of the stored state, or of the velocity while the state is undetermined */
+/* unit direction e (2) of the slip, from the stored state or, while that is undetermined, from the velocity */
 void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *e)
 {
     const jo_friction *f = &m->friction[i];
@@ -176,7 +176,7 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
     }
 }
 
-/* forces y (2) along the coordinates of a sticking joint, -lam factor of its lock rows */
+/* forces y (2) along the coordinates of a sticking joint: -lam factor of its lock rows */
 void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
 {
     const jo_joint *k = &m->joint[f->lock];
@@ -188,7 +188,7 @@ void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_fr
     for (int r = 0; r < jo_slips(f); r++) y[r] = -d->lam[k->row + r] * m->line[k->line + r].data->factor[0];
 }
 
-/* sliding friction force i in rub onto the bodies; none while it sticks, when its lock rows act */
+/* sliding friction force i, stored in rub, on the bodies; 0 while the friction sticks, since its lock rows act then */
 void jo_friction_apply_force(const jo_model *m, jo_data *d, int i)
 {
     if (jo_sticks(m, d, &m->friction[i])) return;
@@ -205,8 +205,8 @@ void jo_friction_apply_forces(const jo_model *m, jo_data *d)
         if (jo_sticks(m, d, &m->friction[i])) jo_friction_sticking_force(m, d, &m->friction[i], d->rub + 2 * i);
 }
 
-/* margin of friction i after jo_evaluate, positive while its state persists: sticking: static limit - holding force, N or N m; sliding: slip
- * speed along its direction, m/s. Both limits are exceeded by JO_OVERLOAD and JO_REST to exclude round-off. */
+/* margin of friction i after jo_evaluate, positive while its state persists. It is the static limit minus the holding force, N or N m,
+ * while sticking, and the slip speed along its direction, m/s, while sliding. JO_OVERLOAD and JO_REST are added to exclude round-off. */
 jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
@@ -223,7 +223,7 @@ jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
     return JO_REST * m->size + (jo_slips(f) == 1 ? d->slip[i] * y[0] : e[0] * y[0] + e[1] * y[1]);
 }
 
-/* end of a step: direction of slip along two coordinates = direction of the slip velocity */
+/* end of a step: the direction of slip along two coordinates becomes the direction of the slip velocity */
 void jo_friction_update_direction(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nfriction; i++) {

@@ -20,7 +20,7 @@ void jo_friction_apply_force(const jo_model *m, jo_data *d, int i);
 void jo_friction_apply_forces(const jo_model *m, jo_data *d);
 jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);
 void jo_friction_update_direction(const jo_model *m, jo_data *d);
-/* Derivatives of the two friction forces with respect to rates of the coordinates, force and moment (world) of the reaction. */
+/* Derivatives of the two friction forces with respect to the rates of the coordinates and to force and moment (world) of the reaction. */
 typedef struct { jo_real rate[2][2], force[2][3], moment[2][3]; } jo_slopes;
 void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y);
 

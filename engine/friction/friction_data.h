@@ -8,7 +8,7 @@
 enum { JO_REACH = 8 };      /* largest number of forces whose influence on the reactions is computed in advance */
 typedef struct {
     int friction, first, count;
-    jo_real press[2], collar[2];   /* friction forces per normal force, per torque of the collar */
+    jo_real press[2], collar[2];   /* friction forces per unit normal force, and per unit torque of the collar */
     jo_real start[6], y[6]; /* reaction of the joint in the axes of side 0, without and with friction */
     jo_real reach[JO_REACH][6];   /* change of the reaction by a unit of each force */
 } jo_sliding_friction;
@@ -22,7 +22,7 @@ typedef struct {
     jo_real *lam;           /* (nrow) multipliers without friction */
     jo_real *reach;         /* (JO_REACH x nrow) change of the multipliers by a unit of each force */
     jo_real *f, *g, *r, *before, *change;   /* forces, g(f), residual g - f, residual before, change of f */
-    jo_real *dF[JO_PAIRS], *dR[JO_PAIRS], *Q[JO_PAIRS];   /* changes of f, of r; orthonormal basis of the latter */
+    jo_real *dF[JO_PAIRS], *dR[JO_PAIRS], *Q[JO_PAIRS];   /* changes of f and of r; orthonormal basis of the changes of r */
     int pairs, newest;      /* number of pairs, index of the newest */
 } jo_anderson;
 

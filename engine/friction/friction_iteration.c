@@ -10,12 +10,13 @@
 #include "tree/tree.h"
 
 enum { JO_MAX_ITERATIONS = 60 };
-enum { JO_MAX_STAGNANT = 3 };   /* iterations without reduction by JO_MIN_REDUCTION after which JO_NEARLY suffices */
+enum { JO_MAX_STAGNANT = 3 };   /* iterations without reduction by JO_MIN_REDUCTION after which the accuracy JO_NEARLY suffices */
 #define JO_AGREED 1e-12         /* |F(lam(f)) - f| / |F| at convergence */
-#define JO_NEARLY 1e-6          /* the same if round-off prevents JO_AGREED */
-#define JO_MIN_REDUCTION 0.5    /* residual / smallest residual before that counts as progress */
+#define JO_NEARLY 1e-6          /* the same ratio that suffices if round-off prevents JO_AGREED */
+#define JO_MIN_REDUCTION 0.5    /* residual relative to the smallest previous residual, below which an iteration counts as progress */
 #define JO_DERIVATIVE_WEIGHT 1e-2   /* weight of the residual of derivatives (imaginary part) against that of values */
-#define JO_INDEPENDENT 1e-12    /* square of the part of a vector orthogonal to others / its square below which it is dependent */
+/* square of the part of a vector orthogonal to others, relative to the square of the vector, below which it is dependent */
+#define JO_INDEPENDENT 1e-12
 #define JO_SHORT_START 1e-2     /* share of the first change in the second attempt, which approaches the smallest solution from f = 0 */
 
 #ifdef JO_COMPLEX
@@ -138,7 +139,7 @@ static inline void update_reactions(const jo_model *m, jo_data *d, const jo_stag
         jo_real before[6];
         for (int j = 0; j < 6; j++) before[j] = s->y[j];
         reaction_change(m, d, s, d->lam, s->y);
-        for (int j = 0; j < 6 && jo_tree_active(d); j++) s->y[j] += before[j];   /* in trees y is the change only */
+        for (int j = 0; j < 6 && jo_tree_active(d); j++) s->y[j] += before[j];   /* in trees y is only the change */
     }
 }
 
@@ -175,7 +176,7 @@ static void anderson_step(jo_anderson *w, int n, jo_real *change)
         for (int i = 0; i < n; i++) change[i] -= gamma[k] * (w->dF[used[k]][i] + w->dR[used[k]][i]);
 }
 
-/* store the last changes of f and r; returns, for a single unknown, whether the slope of F(lam(f)) is 1 or more */
+/* store the last changes of f and r; returns whether, for a single unknown, the slope of F(lam(f)) is 1 or more */
 static inline int store_pair(jo_anderson *w, const int n, int unknowns, int steep)
 {
     w->newest = (w->newest + 1) % JO_PAIRS;
@@ -218,7 +219,7 @@ static inline int iterate(const jo_model *m, jo_data *d, const jo_stage *stage, 
         }
         largest(w->r, n, off);
         largest(w->g, n, all);
-        if (!isfinite(off[0])) return !k;   /* not finite from the start: the step reports divergence */
+        if (!isfinite(off[0])) return !k;   /* the first residual is not finite: the step reports divergence */
         const double apart = relative_size(off, all);
         stagnant = apart < JO_MIN_REDUCTION * best ? 0 : stagnant + 1;
         if (apart < best) best = apart;
@@ -244,10 +245,11 @@ static inline int iterate(const jo_model *m, jo_data *d, const jo_stage *stage, 
 static int solve_forces(const jo_model *m, jo_data *d, const jo_stage *stage, double first)
 {
     const jo_anderson *w = &d->friction;
-    return w->n == 1 ? iterate(m, d, stage, first, 1, 1) : iterate(m, d, stage, first, w->n, w->nsliding);   /* loops over one force unroll */
+    /* with a single force the loops are unrolled */
+    return w->n == 1 ? iterate(m, d, stage, first, 1, 1) : iterate(m, d, stage, first, w->n, w->nsliding);
 }
 
-/* error_index = friction with the largest residual */
+/* error_index = number of the friction with the largest residual */
 static int report_failure(jo_data *d)
 {
     const jo_anderson *w = &d->friction;
@@ -262,7 +264,7 @@ static int report_failure(jo_data *d)
     return JO_FRICTION_FAILED;
 }
 
-/* converged friction forces on the bodies, and multipliers with friction */
+/* apply the converged friction forces to the bodies, and compute the multipliers with friction */
 static void apply_friction(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const jo_anderson *w = &d->friction;
@@ -285,9 +287,10 @@ static void apply_friction(const jo_model *m, jo_data *d, const jo_stage *stage)
         for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = *lam++;
 }
 
-/* Friction forces and multipliers, from the multipliers without friction in joint[].x. The normal force is a convex function of the friction
- * force: for one sliding coordinate the secant method with a short first change stays between f = 0 and the smallest solution, if there is
- * one. A larger solution is not physical: its friction increases the normal force by more than it needs (Painleve). */
+/* Friction forces and multipliers, from the multipliers without friction in joint[].x. The normal force is a convex function of the
+ * friction force: for one sliding coordinate the secant method with a short first change stays between f = 0 and the smallest solution, if
+ * a solution exists. A larger solution is not physical, since its friction increases the normal force by more than the friction requires
+ * (Painleve). */
 int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const jo_anderson *w = &d->friction;

@@ -4,14 +4,14 @@
 
 #include "friction/friction.h"
 
-#define JO_REST 1e-10   /* slip speed / size of the mechanism below which a joint is at rest, 1/s */
+#define JO_REST 1e-10   /* ratio of slip speed and size of the mechanism, 1/s, below which a joint is at rest */
 
 static inline int jo_slip_turns(const jo_model *m, const jo_friction *f, int k)
 {
     return m->coordinate[jo_slip_of(f, k)].type == JO_COORDINATE_ANGLE;
 }
 
-/* slip / coordinate: pin radius, m, for angles, else 1 */
+/* slip per unit of the coordinate: pin radius, m, for angles, else 1 */
 static inline jo_real jo_slip_arm(const jo_model *m, const jo_friction *f, int k)
 {
     return jo_slip_turns(m, f, k) ? f->data->radius : 1.0;

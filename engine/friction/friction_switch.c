@@ -4,9 +4,10 @@
 #include "friction/friction_law.h"
 #include "tree/tree.h"
 
-#define JO_PASSING_SPEED 1e-7   /* slip speed / size of the mechanism, 1/s, above which a slip along two coordinates turns without a stop */
-#define JO_BACK_ACCELERATION 1e-9   /* acceleration against the slip / size of the mechanism, 1/s2, that ends the slip */
-enum { JO_ROUNDS = 8, JO_ROUNDS_EACH = 4 };   /* rounds of release(): at all, and for each friction */
+/* slip speed / size of the mechanism, 1/s, above which slip along two coordinates changes direction without a stop */
+#define JO_PASSING_SPEED 1e-7
+#define JO_BACK_ACCELERATION 1e-9   /* acceleration against the slip / size of the mechanism, 1/s2, above which the slip ends */
+enum { JO_ROUNDS = 8, JO_ROUNDS_EACH = 4 };   /* largest number of rounds of release(): constant part, and part per friction */
 
 static int *lock_of(const jo_model *m, jo_data *d, const jo_friction *f) { return &d->locked[m->joint[f->lock].lock]; }
 
@@ -103,7 +104,7 @@ int jo_friction_switch(const jo_model *m, jo_data *d, int i)
         jo_real e[2];
         jo_friction_slip(m, d, f, e);
         const jo_real speed = jo_length2(e[0], e[1]);
-        if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSING_SPEED * m->size) {   /* new direction without a stop */
+        if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSING_SPEED * m->size) {   /* new direction of slip without a stop */
             for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k] / speed;
             jo_forces_jumped(d);
             return jo_accelerations(m, d);

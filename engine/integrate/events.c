@@ -10,16 +10,18 @@
 #include <float.h>
 #include <string.h>
 
-enum { JO_MAX_TRIALS = 120 };   /* steps tried for one crossing: three times the 40 bisections from 1 s to 1e-12 s */
-enum { JO_LOG_ENTRIES = 32, JO_LOG_ENTRIES_EACH = 8 };   /* entries of one step in the log: at all, and for each watched value */
-enum { JO_YIELDS_EACH = 16 };   /* ends of branches in one step for each force that yields; more are not located, the law holds across them */
-enum { JO_LOG_STEPS = 4 };      /* steps for which the log has room */
+enum { JO_MAX_TRIALS = 120 };   /* largest number of steps tried for one crossing: three times the 40 bisections from 1 s to 1e-12 s */
+enum { JO_LOG_ENTRIES = 32, JO_LOG_ENTRIES_EACH = 8 };   /* log entries of one step: constant part, and part per watched value */
+/* ends of branches per step that are located for each force that yields; further ones are not located, and the law holds across them */
+enum { JO_YIELDS_EACH = 16 };
+enum { JO_LOG_STEPS = 4 };      /* number of steps for which the log has room */
 
 #define JO_TIME_RESOLUTION 1e-12    /* largest error of the time of an event, s */
-#define JO_TIME_ROUNDING (8.0 * DBL_EPSILON)   /* the same / time, where round-off of the time is larger */
-#define JO_TOUCH 1e-9       /* distance from the threshold / change in the step below which a step starts at the threshold */
-#define JO_JUMP 1e-6        /* jump / change in the step below which the jump of a value at an event is round-off */
-#define JO_VALUE_ROUNDING (2.0 * DBL_EPSILON)   /* distance from the threshold / threshold that is round-off */
+#define JO_TIME_ROUNDING (8.0 * DBL_EPSILON)   /* the same relative to the time, for times whose round-off is larger */
+/* distance from the threshold, relative to the change in the step, below which a value starts at the threshold */
+#define JO_TOUCH 1e-9
+#define JO_JUMP 1e-6        /* jump of a value at an event, relative to its change in the step, below which the jump is round-off */
+#define JO_VALUE_ROUNDING (2.0 * DBL_EPSILON)   /* distance from the threshold, relative to the threshold, that is round-off */
 
 static double time_resolution(const jo_data *d) { return fmax(JO_TIME_RESOLUTION, JO_TIME_ROUNDING * fabs(JO_RE(d->time[0]))); }
 
@@ -27,13 +29,13 @@ static int sign(double x) { return (x > 0.0) - (x < 0.0); }
 
 static int is_event(const jo_model *m, int i) { return i < m->nevent; }
 
-/* first watched value of the forces that yield: those of events, and of frictions if any of these can stick, are before it */
+/* first watched value of the forces that yield: the values of events precede it and, if any friction can stick, those of frictions */
 static int first_yielding(const jo_model *m) { return m->nevent + (m->nlock ? m->nfriction : 0); }
 
 /* number of watched values */
 int jo_watched(const jo_model *m) { return first_yielding(m) + m->nyielding; }
 
-/* largest number of log entries of one step; more are an endless chain of events */
+/* largest number of log entries of one step; more entries indicate an endless chain of events */
 static int max_entries(const jo_model *m) { return JO_LOG_ENTRIES + JO_LOG_ENTRIES_EACH * jo_watched(m); }
 
 /* -- saved state at the start of a step --------------------------------------------------- */
@@ -87,7 +89,7 @@ void jo_event_setup(const jo_model *m, jo_data *d)
     }
 }
 
-/* g = margins of the forces that yield; 1 once their branches have ended too often in a step */
+/* g = margins of the forces that yield; 1 if their branches have already ended too often in the step */
 static int yielding_margins(const jo_model *m, jo_data *d, double *g)
 {
     const int status = jo_yielding_ready(m, d);
@@ -124,13 +126,14 @@ static int any_crosses(const jo_model *m, const jo_data *d, const double *g)
     return 0;
 }
 
-/* states of forces that yield at the end of a step, and their margins from there on */
+/* states at the end of a step of forces that yield, and their margins from then on */
 static int accept_yielding(const jo_model *m, jo_data *d, double *g)
 {
     int status = jo_yielding_ready(m, d);
     if (status != JO_OK) return status;
     jo_accept_yielding(m, d);
-    for (int i = 0; i < m->nstate; i++) d->alpha.end_v[m->nv + i] = jo_states(m, d)[i];   /* generalised alpha goes on */
+    /* generalised alpha continues from these states */
+    for (int i = 0; i < m->nstate; i++) d->alpha.end_v[m->nv + i] = jo_states(m, d)[i];
     return yielding_margins(m, d, g + first_yielding(m));
 }
 
@@ -178,7 +181,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double le
     return status == JO_OK ? watched_values(m, d, g) : status;
 }
 
-/* Length of the step from the saved state to just behind the first crossing: Illinois method in the bracket [a, b], with bisection if three
+/* Length of the step from the saved state to just after the first crossing: Illinois method in the bracket [a, b], with bisection if three
  * trials do not halve it. Values at the start: level, at the end: above. */
 static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *length)
 {
@@ -202,7 +205,7 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
         d->events.trial = values_at;
         if (side > 0) b = x;
         else a = x;
-        if (side == last) {   /* same end twice: halve the weight of the other one */
+        if (side == last) {   /* the same end was replaced twice: halve the weight of the other end */
             if (side > 0) wa *= 0.5;
             else wb *= 0.5;
         } else {
@@ -244,7 +247,7 @@ static void apply_event(const jo_model *m, jo_data *d, int i)
     d->work.damping += before.springs - after.springs;
 }
 
-/* events at the present state and, repeatedly, those that they cause; *stop: first event that ends the run, -1: none */
+/* handle the events at the present state and, repeatedly, the events that they cause; *stop: first event that ends the run, or -1 */
 static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 {
     for (int before = -1; before != d->events.logged;) {
@@ -285,7 +288,7 @@ static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
     jo_forces_jumped(d);
     for (int k = 0; k < m->nfriction && status == JO_OK; k++)
         if (d->slip[k] != before[k]) status = log_entry(m, d, m->nevent + k, d->slip[k], chain);
-    if (d->events.logged == logged && status == JO_OK && ++*chain > max_entries(m)) {   /* unchanged state after a transition */
+    if (d->events.logged == logged && status == JO_OK && ++*chain > max_entries(m)) {   /* the state is unchanged after a transition */
         d->error_index = last;
         status = JO_ENDLESS;
     }
@@ -296,7 +299,7 @@ static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
 static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 {
     *stop = -1;
-    /* work of the step with the power before the forces jump */
+    /* work of the step, with the power just before the forces jump */
     int status = jo_accelerations_valid(d) ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_add_step_work(d);
@@ -322,7 +325,7 @@ static int start(const jo_model *m, jo_data *d)
     return status;
 }
 
-/* values that start at their threshold: side of their first change */
+/* values that start at their threshold get the side of their first change */
 static void set_first_sides(const jo_model *m, jo_data *d, const double *g)
 {
     for (int i = 0; i < m->nevent; i++)

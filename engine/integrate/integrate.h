@@ -5,7 +5,7 @@
 #include "arena.h"
 #include "data.h"
 
-/* coefficients of a tableau: explicit ones of stage i, implicit ones of stage i (j < i), weights, node of stage i */
+/* coefficients of a tableau: explicit and implicit coefficients of stage i (j < i), weights, node of stage i */
 static inline const double *jo_tableau_row(const jo_tableau *t, int i) { return t->coefficient + t->implicit + i * (i - 1) / 2; }
 static inline const double *jo_tableau_implicit(const jo_tableau *t, int i)
 {

@@ -23,34 +23,34 @@ typedef struct {
     double error;           /* error of the last accepted step / tolerance */
     jo_work work;           /* work at the start of the last step, J */
     long long tries;        /* tried steps since the last row */
-    int shortened;          /* whether the last tried step was rejected */
+    int shortened;          /* whether the last step that was tried was rejected */
     int found;              /* whether the last step ends at an event */
-    int first;              /* no step yet: values at a threshold may cross it in both directions */
+    int first;              /* no step yet: values at a threshold may cross it in either direction */
     int chain;              /* events since the last step without events */
     int status;             /* jo_status of the last failed evaluation, or JO_OK */
     int worst;              /* body with the largest error */
 } jo_control;
 
-/* The adaptive method: stages of its step, and what its errors are measured against. */
+/* The adaptive method: stages of its step, and scales of its errors. */
 typedef struct {
     jo_real *stages;        /* (7 x (2 nw + 3)) rates of increments, velocities and work in a step; see also jo_kept_rates */
     jo_real *change;        /* (2 nw + 3) changes in the step */
-    jo_real *q1, *v1, *lam1;   /* the state at its end, while rows before it are written */
+    jo_real *q1, *v1, *lam1;   /* the state at the end of the step, saved while rows before the end are written */
     jo_real *defect[2];     /* (nv) estimated errors of increments and velocities of the bodies of a tree */
     double *extent;         /* (3 x nbody) largest speed, modal coordinates and their speed so far, (nstate) states */
     double *nominal;        /* (nstate) nominal values of states */
 } jo_adaptive;
 
-/* Generalised alpha: what it remembers of the end of its last step, and its kept factors. */
+/* Generalised alpha: stored results at the end of its last step, and stored factors. */
 typedef struct {
-    jo_real *algorithmic, *end_a, *end_q, *end_v, *end_lam;   /* algorithmic and true accelerations .. */
+    jo_real *algorithmic, *end_a, *end_q, *end_v, *end_lam;   /* algorithmic and true accelerations, then the state */
     jo_real *end_time;      /* (1) */
     jo_real *whole;         /* (nv + nrow) the increment that is being shortened */
-    jo_weights weights;     /* with which N was factored */
-    double aged;            /* largest rotation of a body since then, rad */
+    jo_weights weights;     /* weights with which N was factored */
+    double aged;            /* largest rotation of a body since the factorisation, rad */
 } jo_alpha;
 
-/* Events and frictions that are watched, (jo_watched) each. */
+/* Watched events and frictions, (jo_watched) each. */
 typedef struct {
     jo_step_start start;
     jo_model watch;         /* the model with the watched sensors only */
@@ -58,14 +58,14 @@ typedef struct {
     jo_real *measured;      /* (nout) their values */
     double *level, *below, *above, *trial, *scale;   /* value less threshold, margin: at the start of the step, at the ends of the
                                                       * interval in which a crossing lies, between; change in the step */
-    int *side;              /* sign of the value, 0: starts at the threshold */
-    int demanding;          /* watched sensors need accelerations */
-    int yields;             /* ends of a branch of forces that yield, since the last step without */
+    int *side;              /* sign of the value; 0 if it starts at the threshold */
+    int demanding;          /* whether watched sensors need accelerations */
+    int yields;             /* ends of branches of forces that yield, since the last step without any */
     double *log;            /* (jo_log_room x 3) time, event or nevent + friction, direction or slip */
     int logged;
 } jo_events;
 
-/* The instants of jo_run, and its last call. */
+/* The grid of instants of jo_run, left by its last call. */
 typedef struct {
     jo_real start;
     double step, left;      /* s; time at the end of the last call */

@@ -5,7 +5,7 @@
 #include "tree/tree.h"
 #include "integrate/integrate.h"
 
-/* what a family integrates of a tree: its joint coordinates always, unless bodies run by rows beside it, or never */
+/* integration of a tree by a family of methods: always in joint coordinates, only if no bodies run by rows beside it, or never */
 enum { JO_NO_TREE, JO_WHOLE_TREE, JO_ANY_TREE };
 
 typedef struct {
@@ -22,7 +22,7 @@ typedef struct {
     jo_tableau tableau;
 } jo_method_row;
 
-/* an implicit method of order 2 has two stages: with exact beams the second keeps the factors of the first */
+/* an implicit method of order 2 has two stages: with exact beams the second stage uses the factors of the first */
 #define JO_METHOD_FITS(name, family, order, stages, ...) \
     typedef char name##_fits[(stages) <= JO_MOST_STAGES && (!implicit_##family || (order) != 2 || (stages) == 2) ? 1 : -1];
 #define JO_METHOD_COEFFICIENTS(name, family, order, stages, ...) static const double name##_coefficients[] = {__VA_ARGS__};
@@ -50,7 +50,7 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
     if (status != JO_OK) return status;
     if (jo_tree_active(d)) {
         if (m->nturn) jo_tree_count_turns(m, d);
-    } else if (m->nturn) {   /* without projection: last stage, accurate enough to count turns */
+    } else if (m->nturn) {   /* without projection: the last stage is accurate enough to count turns */
         if (!s->projection) jo_coordinates(m, d, m->ncoordinate);
         jo_count_turns(m, d);
     }

@@ -16,7 +16,7 @@ static double watch(void)
     return (double)now.QuadPart / (double)rate.QuadPart;
 }
 
-/* Sleep has a resolution of milliseconds: the last one is busy waiting */
+/* sleep has a resolution of milliseconds, so the last millisecond is busy waiting */
 static void pause_for(double seconds)
 {
     const double awake = 2e-3;   /* waiting time, s, below which the thread only yields */
@@ -72,7 +72,7 @@ int jo_paced(const jo_model *m, jo_data *d, const jo_solver *s, jo_pace *p, int 
         p->done++;
         p->missed += ended > due;
         if (ended - began > p->worst) p->worst = ended - began;
-        /* return: the log has the events of one call of jo_run only; large lateness needs a new schedule */
+        /* return, since the log covers one call of jo_run only; a large lateness needs a new schedule */
         if (jo_data_logged(d) || ended - due > p->farthest) break;
     }
     *written = total;

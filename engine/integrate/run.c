@@ -10,7 +10,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
     return jo_watched(m) ? jo_event_step(m, d, s) : jo_one_step(m, d, s);
 }
 
-/* start of a call: the caller may have changed the state, results of the last evaluation are invalid */
+/* start of a call: the caller may have changed the state, so results of the last evaluation are invalid */
 static void invalidate(jo_data *d)
 {
     jo_call_begins(d);

@@ -4,7 +4,7 @@
 #include "tree/tree.h"
 #include "integrate/integrate.h"
 
-/* prescribed coordinates and loops; other coordinates of a tree need no projection */
+/* prescribed coordinates and loops; the other coordinates of a tree need no projection */
 int jo_close_step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage)
 {
     jo_state_changed(d);

@@ -12,28 +12,30 @@
 #include "fatigue/fatigue.h"
 #include <float.h>
 
-#define JO_MAX_ROTATION 1.0     /* planned rotation of a body in a step, rad; a step with twice this rotation is rejected */
-#define JO_SMALL_SHARE 1e-3     /* motion of a body / motion of the mechanism below which its errors are relative to the latter */
-#define JO_MIN_RATE 1e-6        /* smallest rate, 1/s, that the first step is inverse to */
-#define JO_ERROR_ORDER 0.2      /* exponent of the error: 1 / 5, as the step length changes the error of the pair with its fifth power */
+#define JO_MAX_ROTATION 1.0     /* planned largest rotation of a body in a step, rad; a step with twice this rotation is rejected */
+/* motion of a body relative to the motion of the mechanism, below which its errors are relative to the latter */
+#define JO_SMALL_SHARE 1e-3
+#define JO_MIN_RATE 1e-6        /* smallest rate, 1/s, from which the first step is computed as its inverse */
+/* exponent of the error: 1 / 5, since the error of the pair is proportional to the fifth power of the step length */
+#define JO_ERROR_ORDER 0.2
 /* constants of the code DOPRI5 of Hairer, Norsett and Wanner: SAFE, BETA, FAC1, FAC2, FACOLD, and the stretch of the last step */
 #define JO_SAFETY 0.9           /* factor on the step length that the error allows */
-#define JO_PI_BETA 0.04         /* exponent of the error before: PI controller (Gustafsson 1991) */
+#define JO_PI_BETA 0.04         /* exponent of the previous error in the PI controller (Gustafsson 1991) */
 #define JO_PI_SHARE 0.75        /* share of JO_PI_BETA by which the exponent of the error is reduced */
-#define JO_MIN_FACTOR 0.2       /* step length / step length before, at least */
-#define JO_MAX_FACTOR 10.0      /* the same, at most */
-#define JO_MIN_LAST_ERROR 1e-4  /* smallest error before in the PI controller */
-#define JO_STRETCH 1.01         /* step length / planned length up to which a step is stretched to the end of the interval */
-#define JO_MIN_ERROR 1e-10      /* smallest error in the factor of the next step, against division by 0 */
+#define JO_MIN_FACTOR 0.2       /* smallest ratio of a step length and the previous one */
+#define JO_MAX_FACTOR 10.0      /* largest ratio of a step length and the previous one */
+#define JO_MIN_LAST_ERROR 1e-4  /* smallest previous error in the PI controller */
+#define JO_STRETCH 1.01         /* ratio of step length and planned length up to which a step is stretched to the end of the interval */
+#define JO_MIN_ERROR 1e-10      /* smallest error in the factor of the next step, which prevents division by 0 */
 #define JO_ROTATED_FACTOR 0.5   /* factor on the step length after a rotation beyond twice JO_MAX_ROTATION */
 #define JO_FAILED_FACTOR 0.25   /* factor on the step length after a failed evaluation */
-#define JO_MIN_STEP (16.0 * DBL_EPSILON)   /* smallest step length / time, or / distance of the rows */
+#define JO_MIN_STEP (16.0 * DBL_EPSILON)   /* smallest step length, relative to the time or to the distance of the rows */
 
 /* projection with the factors of the end of the step; returns whether the residuals are within JO_CLOSED */
 static int close_joints(const jo_model *m, jo_data *d)
 {
     if (jo_tree_active(d)) {
-        jo_tree_prescribe_motion(m, d);   /* instead of their interpolated values */
+        jo_tree_prescribe_motion(m, d);   /* in place of their interpolated values */
         return jo_tree_close_loops(m, d);
     }
     jo_project(m, d, &jo_now);
@@ -102,7 +104,7 @@ static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
     for (int i = 0; i < m->nstate; i++) {
         const double largest = jo_larger(d->adaptive.extent[3 * m->nbody + i], fabs(JO_RE(jo_states(m, d)[i])));
         const double defect = jo_error_estimate(d, 2 * d->nw - m->nstate + i, 1);
-        if (defect == 0.0) continue;   /* a state without size, such as an unused one */
+        if (defect == 0.0) continue;   /* a state without a scale, such as an unused one */
         const double ratio = defect / (s->tolerance * jo_larger(largest, d->adaptive.nominal[i]));
         if (ratio > error || ratio != ratio) error = ratio;
         if (error != error) return error;
@@ -180,7 +182,7 @@ static double first_step(const jo_model *m, const jo_data *d, const jo_solver *s
 /* first time of m->breaks after t; infinity if there is none */
 static double next_break(const jo_model *m, double t)
 {
-    int low = 0, high = m->nbreak;   /* breaks below `low` are not after t, those from `high` on are */
+    int low = 0, high = m->nbreak;   /* breaks below `low` are not after t; breaks from `high` on are after t */
     while (low < high) {
         const int middle = (low + high) / 2;
         if (JO_RE(m->breaks[middle]) > t) high = middle;
@@ -286,7 +288,7 @@ static int accept_step(const jo_model *m, jo_data *d, const jo_solver *s, planne
     d->counts.steps++;
     if (m->nturn && jo_tree_active(d)) jo_tree_count_turns(m, d);
     else if (m->nturn) jo_count_turns(m, d);
-    jo_sync_maximal_state(m, d, JO_SYNC_STATE);   /* after the location of an event */
+    jo_sync_maximal_state(m, d, JO_SYNC_STATE);   /* needed after the location of an event */
     update_extent(m, d);
     if (m->nbeam) jo_beam_accept(m, d);
     jo_damage_outdated(d);

@@ -54,7 +54,7 @@ double jo_increment_between(const jo_model *m, jo_real *x, const jo_real *q0, co
     return turn;
 }
 
-/* work, the last entries of a stage or a change */
+/* work: the last entries of a stage or of a change */
 static jo_work *work_of(const jo_data *d, jo_real *x) { return (jo_work *)(x + 2 * d->nw); }
 
 static void store_stage(jo_data *d, int k, const jo_real *rate)
@@ -67,7 +67,7 @@ static void store_stage(jo_data *d, int k, const jo_real *rate)
     *work_of(d, x) = d->power;
 }
 
-/* the stored accelerations and power of a stage are valid again for the present state; bodies and markers are not */
+/* make the accelerations and power stored in a stage valid for the present state; bodies and markers remain invalid */
 void jo_restore_stage(jo_data *d, int last)
 {
     jo_real *x = d->adaptive.stages + (last ? JO_STAGES - 1 : 0) * width(d);

@@ -15,20 +15,21 @@
 #include "beam/beam.h"
 #include "integrate/integrate.h"
 
-#define JO_SLOW_GAIN 0.1        /* increment / increment before above which kept factors are renewed */
-#define JO_MAX_AGE 0.01         /* rotation of a body, rad, since its factors were computed, up to which these close its joints */
+#define JO_SLOW_GAIN 0.1        /* ratio of successive increments above which stored factors are renewed */
+/* rotation of a body, rad, since the computation of the factors, up to which they are used to close its joints */
+#define JO_MAX_AGE 0.01
 #define JO_ROUND_OFF_INCREMENT 1e-6   /* increment / reference below which an increment that does not shrink is round-off */
-#define JO_STAGNATION 0.5       /* increment / increment before above which an increment does not shrink */
+#define JO_STAGNATION 0.5       /* ratio of successive increments above which an increment counts as not shrinking */
 #define JO_MAX_HALVINGS 40      /* halvings of an increment across a kink of a force law */
-#define JO_DAMPED_ITERATIONS 5  /* iterations with shortened increments / iterations of a step */
+#define JO_DAMPED_ITERATIONS 5  /* limit of the iterations with shortened increments, relative to the normal limit */
 #define JO_POSITION_ROUNDING 2.2e-15   /* rounding of positions / size of the mechanism: ten times DBL_EPSILON */
-#define JO_STOPPING_SHARE2 1e-6 /* square of the share (1e-3) of the accelerations that stop all bodies within one step in the reference */
+#define JO_STOPPING_SHARE2 1e-6 /* square of the weight (1e-3) in the reference of the accelerations that stop all bodies within one step */
 #define JO_SAME_TIME 1e-6       /* difference of times / step that counts as equal */
-#define JO_MIN_REDUCTION 0.5    /* residual / residual before above which the joints are not corrected again */
+#define JO_MIN_REDUCTION 0.5    /* ratio of successive residuals above which the joints are not corrected again */
 
 #ifdef JO_COMPLEX
 enum { JO_AFTER = 1 };    /* iterations after convergence: derivatives (imaginary parts) converge one iteration later */
-enum { JO_KEEP = 0 };     /* no modified Newton method: derivatives need the exact matrix */
+enum { JO_KEEP = 0 };     /* no modified Newton method, since derivatives need the exact matrix */
 #else
 enum { JO_AFTER = 0 };
 enum { JO_KEEP = 1 };
@@ -68,10 +69,10 @@ static double reference(const jo_model *m, const jo_data *d, double h)
     return sum;
 }
 
-/* square of the increment of a body's acceleration that moves it by the rounding of positions, in the metric of the masses.
- * Internal forces K q are rounded by K dq, which changes the solution of (M + q^ K) x = K dq by dq / q^ at most, q^ = weights.q,
- * however stiff K is. It is the only scale of a mechanism at rest without load, whose forces are 0. Smaller increments of an
- * iteration with the exact matrix do not change the positions. */
+/* square of the increment of a body's acceleration that moves it by the rounding of positions, in the metric of the masses. Internal forces
+ * K q have the rounding error K dq, which changes the solution of (M + q^ K) x = K dq by dq / q^ at most, q^ = weights.q, however stiff K
+ * is. This is the only scale for a mechanism at rest without load, whose forces are 0. Smaller increments of an iteration with the exact
+ * matrix do not change the positions. */
 static double resolution(const jo_model *m, const jo_data *d, const jo_weights *c, int body)
 {
     const jo_body *b = &m->body[body];
@@ -105,8 +106,8 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
     d->time[0] = t0 + ahead;
     status = jo_evaluate(m, d, &jo_now);
     d->time[0] = t0;
-    /* motions much faster than the step respond to the explicit move with huge accelerations: then no shift, at the cost of one error of
-     * second order */
+    /* motions much faster than the step respond to the explicit move with huge accelerations; then the move is omitted, which causes a
+     * single error of second order */
     double change = 0.0, scale = 0.0;
     for (int i = 0; i < d->nw; i++) d->dq[i] = d->a[i] - d->alpha.end_a[i];
     for (int i = 0; i < m->nbody; i++) {
@@ -158,7 +159,7 @@ static int factor_matrix(const jo_model *m, jo_data *d, const jo_stage *stage)
     int status = jo_newton_assemble(m, d, stage);
     if (status != JO_OK) return status;
     status = jo_newton_factor(m, d, m->redundant > 0);
-    if (status == JO_SINGULAR_JOINT && m->redundant == 0) {   /* a singular position is passed */
+    if (status == JO_SINGULAR_JOINT && m->redundant == 0) {   /* a singular position is accepted */
         d->counts.singular++;
         status = jo_newton_assemble(m, d, stage);
         if (status == JO_OK) status = jo_newton_factor(m, d, 1);
@@ -225,7 +226,7 @@ static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const j
         if (k) add_solution(m, d, &stage->weights, d->alpha.whole, -share);
         update_state(m, d, s);
         d->counts.evaluations++;
-        if (jo_residual_at(m, d, stage, d->acc) != JO_OK) continue;   /* no residual, such as with a folded beam */
+        if (jo_residual_at(m, d, stage, d->acc) != JO_OK) continue;   /* no residual can be computed, as with a folded beam */
         right_hand_side(m, d, &stage->weights, 0);
         jo_newton_solve(m, d);
         double next = 0.0;
@@ -240,7 +241,7 @@ static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const j
 static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, int damped)
 {
     const int most_iterations = (damped ? JO_DAMPED_ITERATIONS : 1) * s->iterations + JO_AFTER;
-    double before = 0.0, elastic = INFINITY;   /* least beam forces of all iterates, as a single iterate may exaggerate */
+    double before = 0.0, elastic = INFINITY;   /* smallest beam forces of all iterates, since a single iterate may have too large ones */
     int after = -1;
     for (int k = 0; k < most_iterations; k++) {
         update_state(m, d, s);
@@ -283,7 +284,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
         if (damped && after < 0) {
             const double share = shorten(m, d, s, stage, size);
             if (share == 0.0) return JO_NO_CONVERGENCE;
-            if (share < 1.0) before = 0.0;   /* the ratio of a shortened increment is no rate of convergence */
+            if (share < 1.0) before = 0.0;   /* the ratio of a shortened increment does not measure the rate of convergence */
         }
     }
     return JO_NO_CONVERGENCE;
@@ -329,7 +330,7 @@ static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
             else largest[0] = jo_largest_residual(m, d);   /* velocities are not needed */
             const double residual = JO_RE(largest[velocity]);
             if (residual <= small[velocity] || (k && !(residual < JO_MIN_REDUCTION * before))) break;
-            if (d->alpha.aged > (jo_newton_soft(d) ? 0.0 : JO_MAX_AGE)) {   /* new factors for the projection only */
+            if (d->alpha.aged > (jo_newton_soft(d) ? 0.0 : JO_MAX_AGE)) {   /* new factors that are used for the projection only */
                 const int status = factor_matrix(m, d, stage);
                 if (status != JO_OK) return status;
             }
@@ -405,19 +406,19 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
     predict(m, d, s);
     const long long passed = d->counts.singular;
     int status = newton(m, d, s, &stage, 0);
-    /* without convergence: again with factors of every iteration, then with shortened increments (kinks) */
+    /* without convergence: repeat with new factors in every iteration, then with shortened increments (kinks) */
     const int tries = s->tolerance > 0.0 ? 2 : 1;
     for (int damped = !s->modified; status != JO_OK && damped < tries; damped++) {
         jo_solver exact = *s;
         exact.modified = 0;
         jo_newton_outdated(d);
-        d->counts.singular = passed;   /* not counted: positions of the failed attempt */
+        d->counts.singular = passed;   /* positions of the failed attempt are not counted */
         predict(m, d, s);
         status = newton(m, d, &exact, &stage, damped);
     }
     if (status == JO_OK) {
         update_state(m, d, s);
-        if (m->nstate) status = jo_residual_at(m, d, &stage, d->acc);   /* states of forces after the last increment */
+        if (m->nstate) status = jo_residual_at(m, d, &stage, d->acc);   /* states of the forces after the last increment */
         for (int i = 0; i < d->nw; i++) {
             d->alpha.algorithmic[i] = d->rate[i];
             d->alpha.end_a[i] = d->a[i];
@@ -426,7 +427,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
         if (status == JO_OK) status = finish_work(m, d, h);
         if (status == JO_OK && s->projection && m->njoint) status = close_joints(m, d, &stage);
     }
-    if (status != JO_OK) {   /* failure: state at the start of the step */
+    if (status != JO_OK) {   /* on failure restore the state at the start of the step */
         for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
         for (int i = 0; i < d->nw; i++) d->v[i] = d->v0[i];
         d->time[0] = t0;
@@ -440,7 +441,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
     return JO_OK;
 }
 
-/* a and lam at its end are those of the step, unless multipliers of least norm are needed */
+/* a and lam at the end are the results of the step, unless multipliers of least norm are needed */
 int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const int status = step(m, d, s);

@@ -3,8 +3,8 @@
  *   k_i = f(y + h sum_j<i a_ij k_j) + h A sum_j<=i g_ij k_j,   y + h sum_i b_i k_i
  * (Hairer, Wanner, Solving Ordinary Differential Equations II (1996), IV.7). A is not the Jacobian: of positions x and velocities v
  *   x' + g h A_x v',  M v' = Q - g h (K x' + D v')
- * it has the stiffness K and damping D of modes, of beams and of what acts along joint coordinates, at the mass M of the stage. So
- * the masses M + g h D + (g h)^2 K replace M. With the weights s_ij = g_ij / g, r_j the rates of the increments and v_j' of the
+ * it contains the stiffness K and damping D of modes, of beams and of forces along joint coordinates, and the mass M of the stage. The
+ * masses M + g h D + (g h)^2 K therefore replace M. With the weights s_ij = g_ij / g, r_j the rates of the increments and v_j' of the
  * velocities in stage j
  *   (M + g h D + (g h)^2 K) v_i' = Q + g h K (-r_i - sum s_ij r_j - g h sum z_ij v_j') - g h D sum s_ij v_j',
  *   z_ij = 2 s_ij + sum_j<l<i s_il s_lj
@@ -35,8 +35,8 @@ static JO_INLINE void weigh(const jo_tableau *t, weights *w)
     }
 }
 
-/* the move of sum_j a_j k_j over the first `count` stages: increments h (sum a_j r_j + g h sum e_j v_j') and velocities h sum a_j v_j',
- * e_j = a_j + sum_l>j a_l s_lj */
+/* move by sum_j a_j k_j over the first `count` stages: increments h (sum a_j r_j + g h sum e_j v_j') and velocities h sum a_j v_j', e_j =
+ * a_j + sum_l>j a_l s_lj */
 static JO_INLINE void move(const jo_model *m, jo_data *d, const weights *w, const double *a, const int count, double gh)
 {
     const double h = d->control.length;
@@ -67,8 +67,8 @@ static JO_INLINE void move(const jo_model *m, jo_data *d, const weights *w, cons
     jo_integrate_positions(m, d, d->dq);
 }
 
-/* What stiffness and damping act on in stage k, over g h: x = -r_k - sum s_kj r_j - g h sum z_kj v_j' with the rates r_k in `own`, and
- * y = -sum s_kj v_j'; the weights of the first stage are smaller by `less`. */
+/* Arguments of stiffness and damping in stage k, divided by g h: x = -r_k - sum s_kj r_j - g h sum z_kj v_j' with the rates r_k in `own`,
+ * and y = -sum s_kj v_j'; the weights of the first stage are smaller by `less`. */
 static JO_INLINE void carry(const jo_data *d, const weights *w, const int k, const jo_stage *stage, double less, const jo_real *own, jo_real *x,
                      jo_real *y)
 {
@@ -88,7 +88,7 @@ static JO_INLINE void carry(const jo_data *d, const weights *w, const int k, con
     }
 }
 
-/* Implicit part of the forces of beams. A stage that keeps the factors of the first one starts from its accelerations:
+/* Implicit part of the forces of beams. A stage that uses the factors of the first stage starts from the accelerations of that stage:
  * (g h D + (g h)^2 K) v_1' has already vanished. */
 static JO_INLINE void push_beams(const jo_model *m, jo_data *d, const weights *w, const int k, const jo_stage *stage)
 {
@@ -118,7 +118,7 @@ static JO_INLINE void add_work(jo_data *d, const jo_tableau *t, const int k)
         d->power0.forces -= d->drive;
     }
     d->work.friction += share * d->power.friction;
-    d->work.forces += share * d->drive;   /* the lead of the multipliers in stage 1 balances their lag in stage 2 */
+    d->work.forces += share * d->drive;   /* the lead of the multipliers in stage 1 compensates their lag in stage 2 */
 }
 
 /* stage k: state, rates, work */
@@ -156,7 +156,7 @@ static JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t
     return JO_OK;
 }
 
-/* compiled for each tableau: JO_MOST_STAGES calls, so that its coefficients are constants of the code */
+/* compiled for each tableau, so that its coefficients are constants of the code */
 static JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_tableau *t)
 {
     const jo_real t0 = d->time[0];
@@ -191,6 +191,6 @@ int jo_step_rosenbrock(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     switch (s->method) {
     JO_METHODS(JO_ROS_ROW)
-    default: return JO_NO_CONVERGENCE;   /* method of another family */
+    default: return JO_NO_CONVERGENCE;   /* a method of another family */
     }
 }

@@ -8,7 +8,7 @@
 #include "maximal/maximal.h"
 #include "integrate/integrate.h"
 
-/* whether the rates of stage k are still needed after the stage that follows it */
+/* whether the rates of stage k are still needed after the next stage */
 static JO_INLINE int lasting(const jo_tableau *t, const int k)
 {
     int needed = 0;
@@ -16,13 +16,13 @@ static JO_INLINE int lasting(const jo_tableau *t, const int k)
     return needed;
 }
 
-/* Add stage k with its weight to the sums of increments and velocities, and move both to the next stage. In the first stage,
- * without increments, their rates are the velocities. */
+/* Add stage k with its weight to the sums of increments and velocities, and compute both for the next stage. In the first stage the
+ * increments are zero and their rates are the velocities. */
 static JO_INLINE void gather(jo_data *d, const jo_tableau *t, const int k, double h)
 {
     jo_real *const rate = d->rate, *const dq = d->dq, *const dv = d->dv, *const w = d->w, *const v0 = d->v0, *const wd = d->wd;
     const int n = d->nw, last = k == t->stages - 1;
-    const double *a = jo_tableau_row(t, k + 1);   /* row of the stage after; not used in the last stage */
+    const double *a = jo_tableau_row(t, k + 1);   /* row of the next stage; not used in the last stage */
     const double share = jo_tableau_weights(t)[k] * h, next = last ? 0.0 : a[k] * h;
     if (lasting(t, k)) jo_keep_rates(d, k, k ? rate : w);
     JO_EACH(i, n) {
@@ -66,7 +66,7 @@ static JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t
     return JO_OK;
 }
 
-/* compiled for each tableau: JO_MOST_STAGES calls, so that its coefficients are constants of the code */
+/* compiled for each tableau, so that its coefficients are constants of the code */
 static JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_tableau *t)
 {
     const jo_real t0 = d->time[0];
@@ -100,6 +100,6 @@ int jo_step_runge_kutta(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     switch (s->method) {
     JO_METHODS(JO_RK_ROW)
-    default: return JO_NO_CONVERGENCE;   /* method of another family */
+    default: return JO_NO_CONVERGENCE;   /* a method of another family */
     }
 }

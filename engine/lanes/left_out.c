@@ -9,7 +9,7 @@
 #include "integrate/integrate.h"
 #include "fatigue/fatigue.h"
 
-/* memory of the omitted folders */
+/* memory of the folders that are left out */
 void jo_beam_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
     (void)m; (void)d; (void)a;
@@ -136,7 +136,7 @@ int jo_measure(const jo_model *m, jo_data *d)
     return 0;
 }
 
-/* Newton's matrix of implicit steps, and adaptive ones */
+/* Newton's matrix of implicit steps, and adaptive steps */
 jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y)
 {
     (void)m; (void)d; (void)x; (void)y;
@@ -173,7 +173,7 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s)
     return JO_NO_CONVERGENCE;
 }
 
-/* trees in joint coordinates: the build with lanes uses q and v */
+/* trees in joint coordinates are left out: the build with lanes uses q and v */
 void jo_loop_setup(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;

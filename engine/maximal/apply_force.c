@@ -77,7 +77,7 @@ void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f)
     else jo_tree_push(m, d, link, f);
 }
 
-/* no changes of forces, before jo_push_change or jo_push_late */
+/* changes of forces = 0, before jo_push_change or jo_push_late */
 void jo_clear_changes(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nbody; i++) d->body[i].maximal.changed = 0;
@@ -85,7 +85,7 @@ void jo_clear_changes(const jo_model *m, jo_data *d)
 
 void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f) { apply_to_both_markers(m, d, coordinate, f, push_change); }
 
-/* f along a coordinate, applied after jo_body_free and followed by jo_free_changed */
+/* add f along a coordinate after jo_body_free; jo_free_changed must follow */
 void jo_push_late(const jo_model *m, jo_data *d, int coordinate, jo_real f)
 {
     const int ends[2] = {m->coordinate[coordinate].a, m->coordinate[coordinate].b};
@@ -94,7 +94,7 @@ void jo_push_late(const jo_model *m, jo_data *d, int coordinate, jo_real f)
         if (m->marker[ends[j]].body >= 0) d->body[m->marker[ends[j]].body].maximal.changed = 1;
 }
 
-/* jo_body_free once more for the bodies with forces of jo_push_late */
+/* repeat jo_body_free for the bodies with forces of jo_push_late */
 void jo_free_changed(const jo_model *m, jo_data *d, int set)
 {
     for (int i = 0; i < m->nbody; i++)

@@ -17,7 +17,7 @@ void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q)
     for (int j = 0; j < b->n; j++) w->p[j] = q[7 + j];
 }
 
-/* parts of a block of rows, such that the accumulators of a part fit into the registers */
+/* part of a block of rows; the accumulators of a part fit into the registers */
 #if defined(JO_VECTOR) && !defined(__AVX512F__)
 enum { JO_SHARES = 2 };
 #else
@@ -197,7 +197,7 @@ static jo_real damp(const jo_body *b, jo_body_work *w, const jo_real *wS, const 
     return power;
 }
 
-/* S, J, B, D at p; velocity-dependent and elastic forces fr, fp; power += that of the damping */
+/* S, J, B, D at p; velocity-dependent and elastic forces fr, fp; power += power of the damping */
 void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power)
 {
     const int np = b->np;

@@ -18,7 +18,7 @@ static void clear(jo_real *x, int count)
     for (int i = 0; i < count; i++) x[i] = jo_same(0.0);
 }
 
-/* length, m, that a unit of the residual of a line counts as: 1 / largest factor, angles times the size of the mechanism */
+/* length, m, that corresponds to a residual of 1 of a line: 1 / largest factor, for angles times the size of the mechanism */
 static inline jo_real line_metres(const jo_model *m, const jo_line *line)
 {
     jo_real most = {0.0};
@@ -29,7 +29,7 @@ static inline jo_real line_metres(const jo_model *m, const jo_line *line)
     return 1.0 / most;
 }
 
-/* length, m, that a unit of the residual of a row counts as: size of the mechanism for cosines */
+/* length, m, that corresponds to a residual of 1 of a row: for cosines the size of the mechanism */
 static inline jo_real row_metres(const jo_model *m, const jo_joint *k, int row)
 {
     if (row >= first_line(k)) return line_metres(m, &m->line[k->line + row - first_line(k)]);
@@ -133,8 +133,8 @@ jo_real jo_largest_residual_rate(const jo_model *m, jo_data *d)
     return worst;
 }
 
-/* four rows of V = L^-1 (C X)^T with the translations Xt and rotations Xr, 0: the rows do not depend on them; L 0: rigid body, whose X
- * includes L^-T */
+/* four rows of V = L^-1 (C X)^T with the translations Xt and rotations Xr, 0 if the rows do not depend on them; L is 0 for a rigid body,
+ * whose X includes L^-T */
 static inline void reduced_rows(jo_real *restrict V, const int ld, const jo_real *restrict C, const jo_real *restrict turn,
                                 const jo_real *restrict Xt, const jo_real *restrict Xr, const jo_real *restrict L)
 {
@@ -310,7 +310,7 @@ static void line_acceleration(const jo_model *m, const jo_data *d, const jo_join
             x[l] += line->data->factor[j]
                   * (jo_dot3(s->along, apart) + jo_dot3(s->turn_a, a->al) + jo_dot3(s->turn_b, b->al) + s->bias);
         }
-        /* a Rosenbrock method: lead as of the forces, for the time derivative of the right-hand side */
+        /* a Rosenbrock method: the same lead as in forces, for the time derivative of the right-hand side */
         if (line->signal >= 0) x[l] -= jo_signal_at(m, d, line->signal, d->time[0] + lead).second;
     }
 }

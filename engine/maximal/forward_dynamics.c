@@ -7,7 +7,8 @@
 #include "friction/friction.h"
 #include "tree/tree.h"
 
-#define JO_MIN_REDUCTION 0.5  /* residual / residual before above which a projection ends: the factors do not reduce it further */
+/* ratio of successive residuals above which a projection ends, since the factors do not reduce the residual further */
+#define JO_MIN_REDUCTION 0.5
 
 /* constants of set 1 for the effective modal mass E + g h D + (g h)^2 K */
 void jo_use_step(const jo_model *m, jo_data *d, double gh)
@@ -233,7 +234,7 @@ static void mark_diverged(const jo_model *m, jo_data *d)
  * Usually one correction each; at most JO_MAX_CORRECTIONS. */
 void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    enum { JO_MAX_CORRECTIONS = 4 };   /* of positions and of velocities, which bounds the work of a step */
+    enum { JO_MAX_CORRECTIONS = 4 };   /* of positions and of velocities; the limit bounds the work of a step */
     if (!m->njoint) return;
     const double small = JO_CLOSED * m->size;   /* m */
     jo_hybrid_begins(d);
@@ -252,7 +253,7 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
         residual = jo_largest_residual(m, d);
         open &= JO_LESS(jo_same(small), residual) & JO_LESS(residual, JO_MIN_REDUCTION * before);
     }
-    const int far = jo_some(JO_LESS(jo_same(m->size), residual));   /* in any lane: diverged */
+    const int far = jo_some(JO_LESS(jo_same(m->size), residual));   /* diverged if the residual is too large in any lane */
     /* velocities: v -= M^-1 Cq^T S^-1 cdot */
     jo_marker_velocity(m, d, m->nactive);
     const jo_real small_rate = JO_CLOSED * jo_speed(m, d);   /* m/s */
@@ -291,7 +292,8 @@ static double sum_of_squares(const jo_model *m, const jo_data *d)
  * Cq v = 0 */
 static int close_joints(const jo_model *m, jo_data *d, int iterations, double tolerance)
 {
-    enum { JO_MAX_HALVINGS = 10, JO_FINAL_ITERATIONS = 2 };   /* halvings of a step; iterations for derivatives, velocities */
+    /* largest number of halvings of a step; iterations for derivatives and velocities */
+    enum { JO_MAX_HALVINGS = 10, JO_FINAL_ITERATIONS = 2 };
     static const jo_stage geometry = {.smooth = 1};
     jo_state_changed(d);
     jo_update_positions(m, d);
@@ -315,7 +317,7 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
         if (residual > JO_MIN_REDUCTION * before && residual < JO_CLOSED * m->size) break;   /* round-off */
     }
 #ifdef JO_COMPLEX
-    for (int k = 0; k < JO_FINAL_ITERATIONS; k++) {   /* derivatives converge one iteration later than values: full steps */
+    for (int k = 0; k < JO_FINAL_ITERATIONS; k++) {   /* derivatives converge one iteration later than values: full steps without halving */
         jo_kinematics_used(d);
         int status = jo_evaluate(m, d, &geometry);
         if (status != JO_OK) return status;

@@ -5,7 +5,7 @@
  */
 #include "maximal/maximal.h"
 
-/* blocks of the hubs and of V of each side; first: whether the side overwrites its block */
+/* blocks of the hubs, and block of V of each side; first: whether the side is the first to write its block */
 void jo_hub_plan(const jo_model *m, jo_data *d)
 {
     for (int c = 0; c < m->ncolumn; c++) {

@@ -5,9 +5,11 @@
 #include "arena.h"
 #include "data.h"
 
-#define JO_MIN_PIVOT 1e-14  /* smallest pivot of an inertia / its value before elimination; 45 units of round-off of a double */
+/* smallest ratio of a pivot of an inertia and its value before elimination; 45 units of round-off of a double */
+#define JO_MIN_PIVOT 1e-14
 
-#define JO_SINGULAR_PIVOT 1e-12  /* pivot of S = J M^-1 J^T / its value before elimination below which the row depends on others */
+/* ratio of a pivot of S = J M^-1 J^T and its value before elimination, below which the row depends on others */
+#define JO_SINGULAR_PIVOT 1e-12
 
 /* rows of a joint in memory: columns of its blocks are padded with 0 */
 static inline int jo_padded(int rows) { return rows <= 4 ? 4 : 8; }
@@ -16,7 +18,7 @@ static inline int jo_padded(int rows) { return rows <= 4 ? 4 : 8; }
 static inline int jo_carries(const jo_body_work *b) { return b->maximal.carried != 0; }
 static inline int jo_force_changed(const jo_body_work *b) { return b->maximal.changed; }
 
-/* no constants of set 1: the next jo_use_step computes them */
+/* the constants of set 1 become invalid; the next jo_use_step computes them */
 static inline void jo_forget_step(jo_data *d) { d->schur.gh = -1.0; }
 
 /* maximal_layout.c */
@@ -122,7 +124,8 @@ void jo_add_step_work(jo_data *d);
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_sync_all(const jo_model *m, jo_data *d);    /* q, v, a and lam of the last evaluation */
 void jo_use_step(const jo_model *m, jo_data *d, double gh);
-#define JO_CLOSED 1e-12       /* position residual / size of the mechanism, velocity residual / its speed, of closed joints */
+/* position residual / size of the mechanism, and velocity residual / its speed, up to which joints are closed */
+#define JO_CLOSED 1e-12
 void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of the last evaluation */
 int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding);
 

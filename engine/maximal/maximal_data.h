@@ -12,14 +12,14 @@ typedef struct {
     jo_real L11[9];         /*          Cholesky factor of m E - I3 weight I3^T, with the inverse of its diagonal */
 } jo_body_set;
 
-/* Body: factors, and forces for the solution of the joints. */
+/* Body: factors, and forces that the solution of the joints uses. */
 typedef struct {
     jo_real L[36];          /* Cholesky factor of the 6 x 6 inertia with modes eliminated, with the inverse of its diagonal */
     jo_real z[6];           /* L^-1 times the reduced force */
     jo_real *Bw;            /* (3 x np) B weight */
     jo_real *extra;         /* (np) additional modal force of a Rosenbrock method */
     int status;             /* rigid body: status of its constant factor */
-    int changed;            /* whether the force on the body changes after its free accelerations, see apply_force.c */
+    int changed;            /* whether the force on the body changes after the free accelerations were computed, see apply_force.c */
     int modes;              /* index of the modal velocities in jo_data.w */
     jo_real *carried;       /* (6 x 6) inertia of the body, without its mass, and of the trees on it; 0: no trees */
     jo_body_set set[2];
@@ -30,7 +30,7 @@ typedef struct {
     jo_real PhiI3[9], PsiI3[9];   /* Phi weight I3^T, Psi weight I3^T */
 } jo_marker_set;
 
-/* Marker: accelerations without those of the body, and rows with modes eliminated. */
+/* Marker: accelerations that do not depend on those of the body, and rows with modes eliminated. */
 typedef struct {
     jo_real bv[3], bom[3];  /* accelerations for R'' = w' = p'' = 0, local */
     jo_real Xt[18], Xr[18]; /* (3 x 6) translation and rotation rows with modes eliminated; rigid body: times L^-T, constant */
@@ -68,7 +68,7 @@ typedef struct { jo_real *S, *x, *scale; double sign; int n, first, count, updat
 typedef struct { jo_real *X, *x; int rows, kind; const int *lock; } jo_below_plan;
 typedef struct { jo_real *T; const jo_real *X, *Y; int rows, ny, kind; const int *lock_x, *lock_y; } jo_update_plan;
 
-/* S, its factors and how these are carried out. */
+/* S, its factors, and the plan of their computation. */
 typedef struct {
     double gh;              /* g h of the constants of set 1, also of bodies and markers, s */
     jo_real *S, *S0;        /* (nblock x JO_BLOCK) S = Cq M^-1 Cq^T or its factors; copy of S for refinement */

@@ -1,7 +1,7 @@
 /* maximal_layout.c - memory of bodies, markers, joints and the matrix of multipliers. */
 #include "maximal/maximal.h"
 
-/* arrays of the bodies, of a spare one while bytes are only counted */
+/* arrays of the bodies; arrays of a spare body while bytes are only counted */
 static void lay_bodies(const jo_model *m, jo_data *d, jo_arena *a)
 {
     for (int i = 0; i < m->nbody; i++) {

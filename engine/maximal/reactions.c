@@ -22,7 +22,7 @@ void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_rea
     for (int l = 0; l < k->nline; l++) {
         const jo_line *line = &m->line[k->line + l];
         for (int j = 0; j < line->count; j++) {
-            if (line->side[j]) continue;   /* couplings: first coordinate only */
+            if (line->side[j]) continue;   /* couplings: the first coordinate only */
             const jo_coordinate_work *c = &d->coordinate[line->coordinate[j]];
             jo_axpy3(y, -lam[l] * line->data->factor[j], c->along);
             jo_axpy3(y + 3, -lam[l] * line->data->factor[j], c->turn_b);
@@ -56,7 +56,7 @@ static void apply_coordinate_reaction(const jo_model *m, jo_data *d, int coordin
     jo_push(m, d, c->a, F, T);
 }
 
-/* forces -Cq^T lam of one joint on its bodies; none of an optional joint that is not active */
+/* forces -Cq^T lam of one joint on its bodies; 0 for an optional joint that is not active */
 void jo_apply_reaction(const jo_model *m, jo_data *d, int joint)
 {
     static const jo_real none[3] = {0.0, 0.0, 0.0};

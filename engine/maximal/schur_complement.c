@@ -5,8 +5,9 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 
-#define JO_SCHUR_REGULARISATION 1e-8    /* share of the diagonal of S added to it if rows are redundant; about the root of round-off */
-enum { JO_REFINEMENTS = 2 };   /* iterative refinements; each reduces the error of the regularisation by its factor of 1e-8 */
+/* share of the diagonal of S that is added to S if rows are redundant; about the root of round-off */
+#define JO_SCHUR_REGULARISATION 1e-8
+enum { JO_REFINEMENTS = 2 };   /* number of iterative refinements; each reduces the error due to the regularisation by a factor of 1e-8 */
 
 /* L_k weight L_l^T of a pair of joint sides on one flexible body: constant without stiffening */
 static void pair_gram(const jo_model *m, jo_data *d, int i, int set)
@@ -52,7 +53,7 @@ static int kind_of(int rows, int n)
 /* whether row l is the only one in its vector (the fifth row), which is then processed along its columns */
 static inline int is_single_row(const int rows, const int l) { return JO_WIDTH > 1 && rows - l == 1; }
 
-/* address of the activity of a joint; 0: always active */
+/* address of the flag whether a joint is active; 0 if it is always active */
 static const int *lock_of(const jo_model *m, const jo_data *d, int joint)
 {
     if (m->joint[joint].release >= 0) return &d->joint[joint].maximal.present;
@@ -75,7 +76,7 @@ static void plan_sides(const jo_model *m, jo_data *d)
         }
 }
 
-/* blocks and sides of the pairs; first: whether the pair overwrites its block. S[0] stays 1 in blocks without a pair */
+/* blocks and sides of the pairs; first: whether the pair is the first to write its block. S[0] remains 1 in blocks without a pair */
 static void plan_pairs(const jo_model *m, jo_data *d)
 {
     for (int b = 0; b < m->nblock; b++) d->schur.S[JO_BLOCK * b] = jo_same(1.0);
@@ -158,7 +159,7 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
         w->update = m->update_first[c];
         w->updates = m->update_first[c + 1] - w->update;
         w->lock = lock_of(m, d, col->joint);
-        if (JO_COMMON(w->S[0]) != 0.0) d->schur.fills[d->schur.nfill++] = w->S;   /* no pair: all sides on ground */
+        if (JO_COMMON(w->S[0]) != 0.0) d->schur.fills[d->schur.nfill++] = w->S;   /* no pair, since all sides are on ground */
         plan_below(m, d, col);
         for (int u = w->update; u < w->update + w->updates; u++) plan_update(m, d, col, u);
     }
@@ -352,8 +353,8 @@ static void assemble(const jo_model *m, jo_data *d, int set)
 }
 
 /* sqrt(smallest / largest moment of inertia) of the bodies of a joint. The rotation of a slender body about its axis dominates the diagonal
- * of S; if another joint prevents this rotation, the pivot is smaller by about the ratio of the moments. Its root is the geometric mean of
- * that ratio and 1. */
+ * of S; if another joint prevents this rotation, the pivot is smaller by about the ratio of the moments. The root of this ratio is the
+ * geometric mean of the ratio and 1. */
 static double slenderness(const jo_model *m, const jo_data *d, const jo_joint *joint)
 {
     double least = 1.0;
@@ -393,7 +394,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
         if (is_switched_off(w->lock)) continue;
         for (int r = 0; r < n; r++) w->scale[r] = w->S[step * r];
     }
-    /* scale of a row: its diagonal before elimination */
+    /* scale of a row: its diagonal entry before elimination */
     jo_hub_scales(m, d);
     if (jo_schur_soft(d)) regularise(m, d);
     for (int c = first_column(d); c < m->ncolumn; c++) {
@@ -441,7 +442,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
     return JO_OK;
 }
 
-/* factors of S; in a singular position of a model without redundant rows those of the regularised S, and the position is counted */
+/* factors of S; in a singular position of a model without redundant rows S is regularised, and the position is counted */
 int jo_joint_factor(const jo_model *m, jo_data *d, int set)
 {
     jo_schur_softened(d, m->redundant > 0);
@@ -534,7 +535,7 @@ static void residual(const jo_model *m, jo_data *d)
         const jo_column *col = &m->column[c];
         jo_joint_work *w = &d->joint[col->joint];
         const int n = m->joint[col->joint].nrow, own = jo_padded(n);
-        for (int i = 0; i < n; i++)   /* from the lower triangle */
+        for (int i = 0; i < n; i++)   /* product with S from its lower triangle */
             for (int j = 0; j < n; j++)
                 w->x[i] -= d->schur.S0[JO_BLOCK * c + (j <= i ? own * j + i : own * i + j)] * w->maximal.sum[j];
         for (int i = col->first; i < col->first + col->count; i++) {

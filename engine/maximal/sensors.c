@@ -4,7 +4,7 @@
 #include "beam/beam.h"
 #include "fatigue/fatigue.h"
 
-#define JO_ZERO_ENTRY 1e-30  /* off-diagonal entry / sum of all entries that counts as 0 in Jacobi's rotations */
+#define JO_ZERO_ENTRY 1e-30  /* off-diagonal entry, relative to the sum of all entries, that counts as 0 in Jacobi's rotations */
 
 /* y relative to an observer o: r - r_o, v - v_o - om_o x r, ... with derivatives in the frame of the observer */
 static void observe(jo_motion *y, const jo_motion *o)
@@ -139,7 +139,7 @@ static jo_real von_mises(const jo_real *s)
 /* principal stresses, descending, of [s11 s22 s33 s12 s23 s13] in a lane by Jacobi's method, accurate also for equal values */
 static void principal_of(jo_real *out, const jo_real *s, int lane)
 {
-    enum { JO_SWEEPS = 8 };   /* upper bound: convergence is quadratic, five sweeps reach round-off */
+    enum { JO_SWEEPS = 8 };   /* largest number of sweeps: convergence is quadratic, and five sweeps reach round-off */
     jo_real S[3][3] = {{s[0], s[3], s[5]}, {s[3], s[1], s[4]}, {s[5], s[4], s[2]}};
     jo_real y[3];
     double size = 0.0;
@@ -192,7 +192,7 @@ static void stress(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_r
     }
 }
 
-/* output of a Wheatstone bridge over its supply: arms 1 and 2 in series beside 4 and 3 */
+/* output voltage of a Wheatstone bridge / supply voltage: arms 1 and 2 in series, parallel to arms 4 and 3 in series */
 static void bridge(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
 {
     jo_real r[4];
@@ -274,7 +274,7 @@ int jo_needs_accelerations(const jo_sensor *s)
     case JO_SENSOR_BRIDGE:
     case JO_SENSOR_FORCE_STATE:
         return 0;
-    case JO_SENSOR_ENERGY: return s->object >= JO_ENERGY_DISSIPATED;   /* work: needs the power at the end of the step */
+    case JO_SENSOR_ENERGY: return s->object >= JO_ENERGY_DISSIPATED;   /* work needs the power at the end of the step */
     default: return 1;
     }
 }
@@ -311,7 +311,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_SENSOR_RATE: y[0] = d->coordinate[s->object].rate; break;
         case JO_SENSOR_ENERGY: y[0] = energy(m, d, s->object); break;
         case JO_SENSOR_SIGNAL: y[0] = jo_signal_at(m, d, s->object, d->time[0]).value; break;
-        case JO_SENSOR_ELEMENT:   /* `other`: the first of its components */
+        case JO_SENSOR_ELEMENT:   /* `other` is the index of the first component */
             for (int j = 0; j < s->count; j++) y[j] = d->force[s->object].y[s->other + j];
             for (int j = 0; j + 3 <= s->count; j += 3) resolve(d, s->frame, y + j);
             break;

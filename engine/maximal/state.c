@@ -7,7 +7,8 @@
 #include "beam/beam.h"
 #include "tree/tree.h"
 
-#define JO_MAX_STATE 1e15   /* sum of the magnitudes of coordinates and velocities of a body, SI units, above which the run has diverged */
+/* sum of the magnitudes of coordinates and velocities of a body, SI units, above which the run counts as diverged */
+#define JO_MAX_STATE 1e15
 
 /* integrate x, u (tree) or q, v: pointers y, w, wd to them and their sizes; the states of forces are copied */
 void jo_select_coordinates(const jo_model *m, jo_data *d, int tree)

@@ -25,7 +25,7 @@ static jo_real *take(const jo_body *b, jo_body_work *w, jo_real *row)
     return row + 6 + b->n;
 }
 
-/* loads at time, q, v, lam; none of joints and forces that an event has released */
+/* loads at time, q, v, lam; without joints and forces that an event has released */
 int jo_body_loads(const jo_model *m, jo_data *d, int body, jo_real *out)
 {
     const jo_body *b = &m->body[body];

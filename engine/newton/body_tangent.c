@@ -25,7 +25,7 @@ static void modal_sums(const jo_body *b, const jo_real *E, int components, int r
             for (int j = 0; j < np; j += JO_PAD) {
                 const int at = c * np + j;
                 const jo_real *e = E + (at / rows) * n * rows + at % rows;
-                const jo_real factor = sign * coef[c];   /* E_jk = sign E_kj: rows stay rows */
+                const jo_real factor = sign * coef[c];   /* E_jk = sign E_kj, so rows are read as rows */
                 for (int k = 0; k < n; k++, e += rows)
                     for (int i = 0; i < JO_PAD; i += JO_WIDTH) {   /* padding: zeros are added */
                         JO_STORE(y + at + i) += JO_LOAD(e + i) * x[k];

@@ -10,7 +10,7 @@
 #include "force/force.h"
 #include "beam/beam.h"
 
-enum { JO_REFINEMENTS = 2 };   /* iterative refinements; each reduces the error of the regularisation by its factor of 1e-8 */
+enum { JO_REFINEMENTS = 2 };   /* number of iterative refinements; each reduces the error due to the regularisation by a factor of 1e-8 */
 
 /* whether masses of bodies are coupled: in a Rosenbrock method by the stiffness of beams, else by their consistent mass */
 int jo_couples(const jo_model *m, const jo_stage *stage)
@@ -137,8 +137,8 @@ void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
     }
 }
 
-/* factors (those of stage 1 in stage 2 of ROS2), then a and joint[].x. The factorisation of S detects redundant rows: its pivots have a
- * scale */
+/* factors (those of stage 1 in stage 2 of ROS2), then a and joint[].x. Redundant rows are detected by the factorisation of S, whose pivots
+ * have a scale */
 int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     int status = JO_OK;
@@ -155,9 +155,9 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stag
         if (status != JO_OK) return status;
         assemble(m, d, stage);
         status = jo_newton_factor(m, d, jo_schur_soft(d));
-        d->counts.factorisations--;   /* part of an evaluation */
+        d->counts.factorisations--;   /* counted as a part of the evaluation */
         if (status != JO_OK) return status;
-        if (stage->set && !stage->earlier) {   /* first stage; see jo_coupled_lag for later ones */
+        if (stage->set && !stage->earlier) {   /* first stage only; see jo_coupled_lag for later stages */
             for (int i = 0; i < m->nv; i++) {
                 d->newton.sum[i] = -stage->gh * d->v[i];
                 d->newton.lag[i] = 0.0;

@@ -47,7 +47,7 @@ void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e)
                 for (int k = 0; k < 4; k++) any |= used[k] = !is_zero(e, 6 * s + 3 * half, 12 * t + 3 * k);
                 if (!any) continue;
                 const jo_real *L = w->L + 3 * half * row;
-                JO_EACH(j, columns) {   /* W is 0 in the padding */
+                JO_EACH(j, columns) {   /* the padding of W is 0 */
                     const jo_lanes zero = {0};
                     jo_lanes h[3] = {zero, zero, zero};
                     for (int k = 0; k < 4; k++) {

@@ -77,7 +77,7 @@ void jo_newton_rows(const jo_model *m, jo_data *d, const jo_stage *stage);      
 /* coupled_mass.c */
 int jo_couples(const jo_model *m, const jo_stage *stage);   /* whether masses of bodies are coupled in a stage */
 int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stage);   /* a and joint[].x */
-/* the accelerations that jo_coupled_accelerations starts from */
+/* the accelerations from which jo_coupled_accelerations starts */
 static inline const jo_real *jo_coupled_base(const jo_data *d) { return d->newton.base; }
 /* later stages of a Rosenbrock step: beams lag by their stiffness times x and damping times z */
 void jo_coupled_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z);

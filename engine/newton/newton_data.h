@@ -19,7 +19,7 @@ typedef struct {
     jo_real *lag;           /* (nv) forces of beams in the W-method */
     jo_real *sum, *sum_lam; /* (nv), (nrow) sum of solutions of the iterative refinement; sum: also work space */
     jo_real *soft;          /* (nrow) regularisation, subtracted from the diagonal of N */
-    jo_real *Dd, *H;        /* (6 x np), (3 x np) ED p', EB p'' of one body; np: the largest one of all bodies */
+    jo_real *Dd, *H;        /* (6 x np), (3 x np) ED p', EB p'' of one body; np is that of the largest body */
     jo_real *chi_pd;        /* (3 x np) sum of chi_k p'_k of one marker */
     jo_marker_tangent *marker;   /* (nactive) */
 } jo_newton;

@@ -7,10 +7,11 @@
 #include "valid.h"
 #include "newton/newton.h"
 
-#define JO_SCHUR_REGULARISATION 1e-8    /* share of the scale of a joint row subtracted from its diagonal if rows are redundant */
-#define JO_DEPENDENT_PIVOT 1e-14        /* pivot / (unit of its row x unit of its column) below which the row depends on others */
+#define JO_SCHUR_REGULARISATION 1e-8    /* share of the scale of a joint row that is subtracted from its diagonal if rows are redundant */
+/* pivot relative to (unit of its row x unit of its column) below which the row depends on other rows */
+#define JO_DEPENDENT_PIVOT 1e-14
 
-/* block with the rows of item x and the columns of item y (bodies, then joints); address 0: structurally zero */
+/* block with the rows of item x and the columns of item y (bodies, then joints); address 0 if it is structurally zero */
 jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y)
 {
     const jo_place *p = &m->place[x], *q = &m->place[y];
@@ -306,7 +307,7 @@ static void regularise(const jo_model *m, jo_data *d)
     }
 }
 
-/* first joint of a node, -1: none */
+/* first joint of a node; -1 for none */
 static int node_joint(const jo_model *m, int node)
 {
     for (int i = 0; i < m->njoint; i++)

@@ -1,7 +1,7 @@
 /* newton_layout.c - memory of Newton's matrix and of the accelerations of coupled masses. */
 #include "newton/newton.h"
 
-/* derivatives of one body and of all active markers; those of a spare marker while bytes are only counted */
+/* derivatives of one body and of all active markers; derivatives of a spare marker while bytes are only counted */
 static void lay_tangents(const jo_model *m, jo_newton *w, jo_arena *a)
 {
     int np = 0;

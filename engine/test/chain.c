@@ -216,7 +216,7 @@ int main(void)
         {JO_SENSOR_ANGULAR_VELOCITY, 7, -1, -1, 10, 3, 0}, {JO_SENSOR_MODAL, 2, -1, -1, 13, 2 * N, 0}, {JO_SENSOR_REACTION, 1, -1, -1, 23, 6, 0},
         {JO_SENSOR_STRESS, 0, -1, -1, 29, 6, rows},
     };
-    static const double breaks[4] = {0, 0.5, 2, 5};   /* of the table and the jump */
+    static const double breaks[4] = {0, 0.5, 2, 5};   /* breaks of the table and of the jump */
     jo_model m;
     memset(&m, 0, sizeof m);
     m.nbreak = 4; m.breaks = breaks;

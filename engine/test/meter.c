@@ -67,7 +67,7 @@ static void astm(void)
     CHECK(near(once + repeated - once, twice[JO_METER_DAMAGE] - once, 1e-13));
 }
 
-/* values that are not finite change only the count of dropped samples */
+/* values that are not finite only increase the count of dropped samples */
 static void dropped(void)
 {
     double a[SIZE] = {0}, b[SIZE] = {0};
@@ -105,7 +105,7 @@ static void full(void)
     const double exact = jo_meter_damage(&deep, large, JO_RESIDUE_HALF, scratch);
     printf("forced %g cycles, damage %.5f of the exact one\n", small[6], careful / exact);
     CHECK(careful >= exact && careful < 1.02 * exact);
-    /* classes: no more than two points each, so nothing is forced */
+    /* classes of which each has at most two points, so that no cycle is forced */
     jo_meter coarse = meter(44);
     double classes[JO_METER + 44] = {0};
     coarse.width = 40e6;

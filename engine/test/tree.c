@@ -27,7 +27,7 @@ typedef struct {
     jo_along_data along[LINKS];
     double mass[BODIES], S[BODIES][3], J[BODIES][6], u[MARKERS][3], A[MARKERS][9], gravity[3];
     double x[NX + NV];
-    int above[BODIES];      /* parent body, -1: ground */
+    int above[BODIES];      /* parent body; -1 for ground */
     int of_body[BODIES];    /* link of each body */
 } tree;
 
@@ -275,7 +275,8 @@ static void move(frame *f, const jo_link *k, const double *x, const double *u)
 /* frames of the links, q and v of the bodies at x and u */
 static void place(const tree *t, frame *f, double *q, double *v)
 {
-    static const double across[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0}, none[3] = {0};   /* x, y, z are y, z, x of the one before */
+    /* axes x, y, z are the axes y, z, x of the previous frame */
+    static const double across[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0}, none[3] = {0};
     for (int i = 0; i < t->m.nlink; i++) {
         const jo_link *k = &t->link[i];
         const double *x = t->x + k->x, *u = t->x + t->m.nx + k->u;
@@ -403,7 +404,7 @@ static void check_accelerations(const tree *t)
     jo_data *d = begin(t, f);
     const double *joint = jo_data_joint(d);
     CHECK(jo_tree_accelerations(&t->m, d) == JO_OK);
-    for (int i = 0; i < t->m.nlink; i++) {   /* the joints are where they were put; the sign of a quaternion is free */
+    for (int i = 0; i < t->m.nlink; i++) {   /* the joints are at the given coordinates; the sign of a quaternion is arbitrary */
         const jo_link *k = &t->link[i];
         const int ball = k->type == JO_LINK_BALL;
         const double same = ball ? joint[k->x] * t->x[k->x] + dot(joint + k->x + 1, t->x + k->x + 1) : 1.0;

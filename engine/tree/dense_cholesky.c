@@ -44,7 +44,7 @@ static void exchange(jo_gram *g, int i, int j)
     g->order[j] = t;
 }
 
-/* factors with the largest pivot / scale first; rank: number of pivots above `least` */
+/* factors with the largest pivot / scale first; rank = number of pivots above `least` */
 int jo_gram_factor_pivoted(jo_gram *g, double least)
 {
     for (int i = 0; i < g->n; i++) {

@@ -6,7 +6,7 @@
 
 /* ---- positions and velocities -------------------------------------------------------------------- */
 
-/* quaternion e of A, with the sign for which e . near >= 0 */
+/* quaternion e of A with the sign for which e . near >= 0 */
 static void nearest_quaternion(jo_real *e, const jo_real *A, const jo_real *near)
 {
     jo_quaternion(e, A);
@@ -131,7 +131,7 @@ static void joint_reaction(const jo_model *m, const jo_data *d, int link, jo_rea
     jo_vec_store(F, w->joint_f);
     jo_vec_store(T, w->joint_t);
     if (!k->reversed) return;
-    /* the link has side 0: F' = -F, T' = -T - arm x F */
+    /* the link has side 0 instead: F' = -F, T' = -T - arm x F */
     jo_real arm[3], t[3];
     jo_set3(arm, d->marker[joint->side[0]].r);
     jo_sub3(arm, d->marker[joint->side[1]].r);

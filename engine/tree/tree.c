@@ -201,8 +201,8 @@ static inline void shift_to_parent(const jo_link_work *w, articulated_inertia *y
     y->t = jo_vec_add(y->t, jo_vec_cross(w->l, y->f));
 }
 
-/* I^a = I^A - U D^-1 U^T, p^a = p^A + U D^-1 u of a hinge or slide, at the origin of the parent. D^-1 multiplies last since the division
- * has the longest latency. */
+/* I^a = I^A - U D^-1 U^T, p^a = p^A + U D^-1 u of a hinge or slide, at the origin of the parent. The factor D^-1 is applied last, since the
+ * division has the longest latency. */
 static inline void eliminate_one_dof(const jo_link_work *w, articulated_inertia *y)
 {
     const jo_real Dinv = w->Dinv, Dinv_u = w->u * Dinv;
@@ -339,9 +339,9 @@ static int backward_pass(const jo_model *m, jo_data *d, const jo_stage *stage)
 
 /* ---- forward pass 2: accelerations ---------------------------------------------------------------- */
 
-/* qdd_i = D_i^-1 (u_i - U_i^T a_lambda(i)), a_i = a_lambda(i) + S_i qdd_i, where alpha, a are the accelerations due to the qdd only.
- * The dependency chain runs through the acceleration of the parent: this acceleration enters each expression last, and from a parent
- * i - 1 in registers. */
+/* qdd_i = D_i^-1 (u_i - U_i^T a_lambda(i)), a_i = a_lambda(i) + S_i qdd_i, where alpha, a are the accelerations due to the qdd only. The
+ * dependency chain runs through the acceleration of the parent: this acceleration enters each expression last; that of a parent i - 1 is
+ * still in registers. */
 void jo_tree_forward_pass_2(const jo_model *m, jo_data *d)
 {
     jo_vec alpha = jo_vec_zero(), a = jo_vec_zero();

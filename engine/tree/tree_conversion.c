@@ -3,8 +3,8 @@
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 
-#define JO_OPEN_POSITION 1e-9   /* position residual of the joints / size of the mechanism above which q is projected before conversion */
-#define JO_OPEN_RATE 1e-7       /* velocity residual / speed of the mechanism above which v is projected before conversion */
+#define JO_OPEN_POSITION 1e-9   /* position residual of the joints / size of the mechanism, above which q is projected before conversion */
+#define JO_OPEN_RATE 1e-7       /* velocity residual / speed of the mechanism, above which v is projected before conversion */
 
 /* joint angles += the multiple of 2 pi that brings them next to the counted angles of their coordinates */
 static void match_turns(const jo_model *m, jo_data *d)
@@ -30,7 +30,7 @@ static int close_gaps(const jo_model *m, jo_data *d)
     return status;
 }
 
-/* x, u from q, v; x and u of the last run are kept if q and v still equal them bit for bit */
+/* x, u from q, v; x and u of the last run are used if q and v still equal them bit for bit */
 int jo_tree_from_maximal(const jo_model *m, jo_data *d)
 {
     if (jo_tree_active(d)) return JO_OK;

@@ -20,7 +20,7 @@ static void backward_pass(const jo_model *m, jo_data *d)
         jo_link_response *c = &d->tree.response[i + 1], *p = &d->tree.response[k->parent + 1];
         jo_vec f = c->f, t = c->t;
         if (k->type == JO_LINK_FREE) continue;
-        if (k->type == JO_LINK_BALL) {   /* f - H J^-1 t; no moment is left */
+        if (k->type == JO_LINK_BALL) {   /* f - H J^-1 t; no moment remains */
             f = jo_vec_sub(f, jo_vec_mat_mul_lanes(w->HJinv, t));
             t = jo_vec_cross(w->l, f);
         } else {

@@ -1,5 +1,5 @@
-/* tree_forces.c - applied forces of a tree: tau along joint coordinates, external forces f^x on bodies, and what
- * a Rosenbrock method adds to both.
+/* tree_forces.c - applied forces of a tree: tau along joint coordinates, external forces f^x on bodies, and the terms that a Rosenbrock
+ * method adds to both.
  *
  * ROS2, a W-method with the matrix 1 - g h A (step_rosenbrock.c), has for q' = v, M v' = F with K = -dF/dq, D = -dF/dv the stages
  *   k_q1 = v0 + g h a1,            (M + g h D + (g h)^2 K) a1 = F0 - g h K v0
@@ -120,8 +120,8 @@ static void eliminate_states(const jo_model *m, jo_data *d, const jo_stage *stag
     }
 }
 
-/* Back substitution for the rates k of these states: (1 + g h decay) k = f + g h (df/ds k_s + df/ds' k_s'), where k_s, k_s' are the
- * rates of s, s' of the stage plus s_ij times those of the stages before; so for k. */
+/* Back substitution for the rates k of these states: (1 + g h decay) k = f + g h (df/ds k_s + df/ds' k_s'), where k_s, k_s' are the rates
+ * of s, s' in the stage plus s_ij times the rates in earlier stages; likewise k. */
 void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const double gh = stage->gh;
@@ -164,7 +164,7 @@ static void gather_stiffness(const jo_model *m, jo_data *d)
     }
 }
 
-/* right-hand side of a Rosenbrock method: tau -= g h K v in stage 1; in later ones what K and D act on is in dv and acc */
+/* right-hand side of a Rosenbrock method: tau -= g h K v in stage 1; in later stages dv and acc contain the arguments of K and D */
 static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     jo_tree *t = &d->tree;

@@ -1,16 +1,16 @@
 /* tree_friction.c - joint reactions, friction forces and sticking of the joints of a tree.
  *
  * The force that joint i transmits, f_i = I_i^A a_i + p_i^A (Featherstone 2008, eq. 7.25), needs no sum over the bodies of the subtree.
- * The joint acceleration of a joint that sticks is prescribed as 0, as that of a driven joint: I^a = I^A.
+ * The acceleration of a joint that sticks is prescribed as 0, like the acceleration of a driven joint: I^a = I^A.
  */
 #include "valid.h"
 #include "friction/friction.h"
 #include "tree/tree_links.h"
 
-/* link whose joint coordinate a coordinate is */
+/* link of which a coordinate is the joint coordinate */
 static const jo_link *link_along(const jo_model *m, int coordinate) { return &m->link[m->coordinate[coordinate].link]; }
 
-/* link of the body of the joint: the second one where two links make up the joint */
+/* link of the body of the joint; the second link if two links make up the joint */
 static int last_link(const jo_model *m, const jo_friction *f)
 {
     const int link = m->coordinate[f->coordinate].link;
@@ -43,8 +43,8 @@ static jo_real slide_distance(const jo_model *m, const jo_data *d, const jo_fric
     return k->type == JO_LINK_SLIDE ? d->x[k->x] : jo_same(0.0);
 }
 
-/* Force and moment y (6) of a joint on side 1, in axes of the link, z along the joint axis. With `change` their change by the last
- * jo_tree_force_response. The component along the joint is tau, not a reaction: it does not load the joint. */
+/* Force and moment y (6) of a joint on side 1, in axes of the link, z along the joint axis. With `change`, the change of force and moment
+ * by the last jo_tree_force_response. The component along the joint is tau, not a reaction: it does not load the joint. */
 void jo_tree_joint_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, int change, jo_real *y)
 {
     const int i = last_link(m, f);
@@ -56,7 +56,7 @@ void jo_tree_joint_reaction(const jo_model *m, const jo_data *d, const jo_fricti
     jo_vec T = jo_vec_add(jo_vec_mat_tmul(w->H, a), jo_vec_mat_mul_lanes(w->J, alpha));
     F = change ? jo_vec_sub(F, c->f) : jo_vec_add(F, w->f);
     T = change ? jo_vec_sub(T, c->t) : jo_vec_add(T, w->t);
-    if (m->link[i].reversed) {   /* on the other side: -F, -(T - distance x F) */
+    if (m->link[i].reversed) {   /* on the other side the reaction is -F, -(T - distance x F) */
         F = jo_vec_scale(-1.0, F);
         T = jo_vec_sub(jo_vec_cross(jo_vec_scale(slide_distance(m, d, f), w->A[2]), F), T);
     }
@@ -113,8 +113,8 @@ void jo_tree_friction_response(const jo_model *m, jo_data *d, int n, const int *
     jo_tree_force_response(m, d, d->tree.joint_response);
 }
 
-/* Add the converged friction forces f to tau and their response to all accelerations. With one force the response is known, to a unit
- * force, and scaled by f. */
+/* Add the converged friction forces f to tau and their response to all accelerations. With a single force the response to a unit force is
+ * known, and is scaled by f. */
 void jo_tree_apply_friction(const jo_model *m, jo_data *d, int n, const int *coordinate, const jo_real *f)
 {
     const jo_real part = n == 1 ? f[0] : jo_same(1.0);
@@ -149,8 +149,8 @@ static void inertial_force(const jo_link_constants *k, const jo_link_work *w, jo
     c->t = jo_vec_scale(-1.0, jo_vec_add(jo_vec_mat_mul_lanes(T, jo_vec_mat_tmul(w->A, c->alpha)), jo_vec_cross(S, c->a)));
 }
 
-/* Impulses that set the rate of the locked joints to 0, with the factors of an evaluation in which these joints are locked. The change
- * of all rates is the smallest one in the norm of the mass matrix: H_ff dqd_f = -H_fl dqd_l, with dqd_l = -qd_l of the locked joints. */
+/* Impulses that set the rate of the locked joints to 0, with the factors of an evaluation in which these joints are locked. The change of
+ * all rates is the smallest possible in the norm of the mass matrix: H_ff dqd_f = -H_fl dqd_l, with dqd_l = -qd_l of the locked joints. */
 void jo_tree_stop_sticking(const jo_model *m, jo_data *d)
 {
     jo_tree_clear_added_forces(m, d);

@@ -3,10 +3,10 @@
 #include "force/force.h"
 #include "tree/tree_links.h"
 
-#define JO_MAX_STATE 1e15   /* Euclidean norm of [x, u] above which the run stops as not finite, as in state.c */
-#define JO_SMALL_SINE2 1e-5 /* sin^2 of half an angle below which the series of 2 asin(s) / s is used; its next term is 6e-22 */
+#define JO_MAX_STATE 1e15   /* Euclidean norm of [x, u] above which the run stops with "not finite", as in state.c */
+#define JO_SMALL_SINE2 1e-5 /* sin^2 of half an angle below which 2 asin(s) / s is computed by its series; its next term is 6e-22 */
 
-/* whether x' = u: no balls and no free links */
+/* whether x' = u, that is, there are no balls and no free links */
 static int is_vector_space(const jo_model *m) { return m->nx == m->nu; }
 
 /* x = x0 o increment: sum, and e0 o exp(theta) for quaternions */
@@ -15,7 +15,7 @@ void jo_tree_add_increment(const jo_model *m, jo_real *x, const jo_real *x0, con
     if (is_vector_space(m)) {
         int i = 0;
         for (; i + JO_WIDTH <= m->nu; i += JO_WIDTH) JO_STORE(x + i) = JO_LOAD(x0 + i) + JO_LOAD(increment + i);
-        for (; i < m->nu; i++) x[i] = x0[i] + increment[i];   /* not padded: the rates follow in memory */
+        for (; i < m->nu; i++) x[i] = x0[i] + increment[i];   /* not padded, since the rates follow in memory */
         return;
     }
     for (int i = 0; i < m->nlink; i++) {
@@ -99,7 +99,7 @@ void jo_tree_prescribe_motion(const jo_model *m, jo_data *d)
 /* JO_NOT_FINITE with the body in error_index if |[x, u]| is not below JO_MAX_STATE */
 int jo_tree_check_state(const jo_model *m, jo_data *d)
 {
-    const jo_real *x = d->x;   /* and u behind it */
+    const jo_real *x = d->x;   /* u follows x in memory */
     const int n = m->nx + m->nu;
     jo_lanes squares = {0.0};
     double sum = 0.0;

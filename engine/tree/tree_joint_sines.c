@@ -2,13 +2,13 @@
 #include "tree/tree_links.h"
 
 #ifdef JO_PICK
-#define JO_MAX_ANGLE 1e5    /* sum of four |angles| below which n < 2^20 in sines_of_four, rad */
+#define JO_MAX_ANGLE 1e5    /* sum of four |angles|, rad, below which n < 2^20 in sines_of_four */
 
 /* Sine and cosine of four angles x = n pi/2 + r, |r| <= pi/4: minimax polynomials (Remez) in z = r^2 with errors below 4e-18.
  * pi/2 is the sum of three parts; n times each of the first two is exact for n < 2^20. */
 static void sines_of_four(const jo_real *x, jo_real *sine, jo_real *cosine)
 {
-    const double large = 6755399441055744.0;   /* 1.5 2^52: k = a 2/pi + large is rounded to an integer, n in the last bits of k */
+    const double large = 6755399441055744.0;   /* 1.5 2^52: adding it rounds a 2/pi to an integer n, which is in the last bits of k */
     const jo_vec a = {x[0], x[1], x[2], x[3]}, k = a * 0.63661977236758134308 + large, n = k - large;
     const jo_vec r = ((a - n * 0x1.921fb544p+0) - n * 0x1.0b4611a6p-34) - n * 0x1.3198a2e037073p-69, z = r * r, w = 1.0 - 0.5 * z;
     const jo_vec p = -0.16666666666666632 + z * (0.008333333333322424 + z * (-0.00019841269829815996
@@ -30,7 +30,7 @@ static void sines_of_four(const jo_real *x, jo_real *sine, jo_real *cosine)
 static inline int is_moderate(const jo_real *x) { return fabs(x[0]) + fabs(x[1]) + fabs(x[2]) + fabs(x[3]) < JO_MAX_ANGLE; }
 #endif
 
-/* sine and cosine of all hinge angles; larger angles by the C library */
+/* sine and cosine of all hinge angles; of larger angles by the C library */
 void jo_tree_hinge_sines(const jo_model *m, jo_data *d)
 {
     const int *hinge = d->tree.hinge, n = d->tree.nhinge;

@@ -34,8 +34,8 @@ static void lay_loops(const jo_model *m, jo_data *d, jo_arena *a)
         if (!n) continue;
         t->ngroup++;
         g->n = n;
-        g->ld = jo_pad(n) + 8;   /* padded: whole vectors are written beginning at any row */
-        g->S = jo_take_reals(a, (n + 1) * g->ld);   /* and a right-hand side */
+        g->ld = jo_pad(n) + 8;   /* padded, since whole vectors are written from any row on */
+        g->S = jo_take_reals(a, (n + 1) * g->ld);   /* with room for a right-hand side */
         g->inverse = jo_take_reals(a, n);
         g->y = jo_take_reals(a, n);
         g->scale = jo_take(a, (size_t)n * sizeof(double));

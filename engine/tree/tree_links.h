@@ -1,7 +1,7 @@
 /* tree_links.h - 3-vectors, 3x3 matrices and the data of the links of a tree in joint coordinates.
  *
  * With AVX a 3-vector is a register of four doubles with the fourth lane 0; without AVX, and in the complex build, a 3-vector is three
- * scalars. A 3x3 matrix is an array of its three columns. The letters are those of Featherstone, Rigid Body Dynamics Algorithms (2008).
+ * scalars. A 3x3 matrix is an array of its three columns. The letters are as in Featherstone, Rigid Body Dynamics Algorithms (2008).
  */
 #ifndef JO_TREE_LINKS_H
 #define JO_TREE_LINKS_H
@@ -156,7 +156,8 @@ static inline jo_real jo_vec_adjugate(jo_vec *y, const jo_vec *a)
     y[0] = jo_vec_shuffle_yzx(first);
     y[1] = jo_vec_cross(a[2], a[0]);
     y[2] = jo_vec_cross(a[0], a[1]);
-    return jo_vec_dot(jo_vec_shuffle_yzx(jo_vec_shuffle_yzx(a[0])), first);   /* a[0] . y[0], without the latency of the shuffle of y[0] */
+    /* a[0] . y[0], computed without waiting for the shuffle of y[0] */
+    return jo_vec_dot(jo_vec_shuffle_yzx(jo_vec_shuffle_yzx(a[0])), first);
 }
 /* y = a^-1 of a symmetric matrix a */
 static inline void jo_vec_invert(jo_vec *y, const jo_vec *a)
@@ -173,7 +174,7 @@ struct jo_link_constants {
     jo_real J[9];           /* inertia about the origin of the link, kg m2 */
     jo_real C[9], c[3];     /* axes and origin (m) of the frame of the body */
     int has_branch;         /* whether a child other than link i + 1, or a fixed child, adds to the accumulator of this link */
-    int carrier_link;       /* link of the body that the joint is on: the parent or a link fixed to the parent; -1: ground */
+    int carrier_link;       /* link of the body on which the joint is: the parent or a link fixed to the parent; -1: ground */
     jo_real total_mass, total_S[3], total_J[9];   /* mass, first moment and inertia of the body and of the bodies fixed to it */
 };
 
@@ -205,13 +206,14 @@ struct jo_link_response {
 typedef struct {
     int link, reach, marker;   /* index in m->link, m->reach, m->marker; link -1: ground */
     jo_real arm[3], A[9];   /* place (m) and axes, by columns, of the marker in the link frame */
-    double inverse_mass, inverse_inertia;   /* size of the acceleration of the free body by a unit force (1/kg) and moment (1/(kg m2)) */
+    /* magnitude of the acceleration of the free body due to a unit force (1/kg) and a unit moment (1/(kg m2)) */
+    double inverse_mass, inverse_inertia;
     jo_vec arm_world;       /* arm, resolved in the world frame */
     jo_vec f[JO_MAX_ROWS], t[JO_MAX_ROWS];   /* rows of the constraint Jacobian as force and moment about the origin of the link */
 } jo_loop_side;
 
 struct jo_loop_work {
-    int rows, uses_axes;    /* number of constraint rows; whether these depend on the axes of the markers */
+    int rows, uses_axes;    /* number of constraint rows; whether the rows depend on the axes of the markers */
     jo_loop_side side[JO_MAX_SIDES];
     jo_motion motion[JO_MAX_SIDES];   /* velocity and acceleration of the markers for qdd = 0 */
     jo_real x[8];           /* right-hand side, then multipliers lambda; padded with 0 */
@@ -229,7 +231,7 @@ void jo_tree_hinge_sines(const jo_model *m, jo_data *d);   /* in tree_joint_sine
 /* whether dry friction locks the joint of a link (it sticks) */
 static inline int jo_link_is_locked(const jo_data *d, const jo_link *k) { return k->lock >= 0 && d->locked[k->lock]; }
 
-/* whether qdd of the joint is prescribed: by a drive, or as 0 by friction that sticks */
+/* whether qdd of the joint is prescribed, by a drive or as 0 by sticking friction */
 static inline int jo_link_is_prescribed(const jo_data *d, const jo_link *k) { return k->driven >= 0 || jo_link_is_locked(d, k); }
 
 /* whether the joint is a hinge or slide whose acceleration follows from the forces */
@@ -248,12 +250,12 @@ static inline jo_real jo_link_drive_force(const jo_data *d, const jo_link *k, co
     return jo_vec_dot(F, w->A[2]) - d->tree.tau[k->u];
 }
 
-/* 1, or -1 where the coordinate of the joint is minus the joint coordinate of the link */
+/* 1, or -1 if the coordinate of the joint is minus the joint coordinate of the link */
 static inline double jo_link_sign(const jo_link *k) { return k->reversed ? -1.0 : 1.0; }
 
 /* dense_cholesky.c */
-int jo_gram_factor(jo_gram *g, int *row);   /* 1, 0: a pivot vanishes, -1: it is not finite; `row` says which */
-int jo_gram_factor_pivoted(jo_gram *g, double least);   /* largest pivots first, down to `least` of their scale: 1, or -1 */
+int jo_gram_factor(jo_gram *g, int *row);   /* 1: regular; 0: a pivot vanishes, in `row`; -1: a pivot is not finite */
+int jo_gram_factor_pivoted(jo_gram *g, double least);   /* largest pivots first, down to `least` times their scale; returns 1 or -1 */
 void jo_gram_solve(const jo_gram *g, jo_real *x);   /* x = S^-1 x; 0 in dependent rows */
 
 #endif

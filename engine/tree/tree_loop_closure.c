@@ -10,10 +10,11 @@
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 
-#define JO_REDUNDANT_PIVOT 1e-9     /* pivot / scale of the row below which the row depends on others, if redundant rows are possible */
+/* pivot / scale of the row, below which the row depends on others; used if redundant rows are possible */
+#define JO_REDUNDANT_PIVOT 1e-9
 
 
-/* number of rows of the group of loop i if loop i is the last one of the group, else 0 */
+/* number of rows of the group of loop i if loop i is the last loop of the group, else 0 */
 int jo_loop_rows(const jo_model *m, int i)
 {
     const jo_loop *k = &m->loop[i];
@@ -24,7 +25,7 @@ static jo_gram *gram_of(const jo_model *m, jo_data *d, int loop) { return &d->tr
 
 /* ---- constants ----------------------------------------------------------------------------------- */
 
-/* place and axes of a marker in the link frame: arm = c + C u0, A = C A0; inverse inertia and inverse mass seen at the marker */
+/* place and axes of a marker in the link frame: arm = c + C u0, A = C A0; inverse inertia and inverse mass for forces at the marker */
 static void set_side_constants(const jo_model *m, const jo_data *d, const jo_loop *loop, jo_loop_side *s)
 {
     const jo_marker *k = &m->marker[s->marker];
@@ -48,7 +49,7 @@ static void set_side_constants(const jo_model *m, const jo_data *d, const jo_loo
     s->inverse_mass = 1.0 / JO_RE(c->mass) + JO_RE(jo_dot3(s->arm, s->arm)) * s->inverse_inertia;
 }
 
-/* constants of all loops: sides, list of markers, scale of each row = size of its diagonal of J H^-1 J^T for free bodies */
+/* constants of all loops: sides, list of markers, and the scale of each row, which is its diagonal of J H^-1 J^T for free bodies */
 void jo_loop_setup(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
@@ -154,7 +155,7 @@ static inline void propagate_one_dof(const jo_link *k, const jo_link_work *w, jo
     }
 }
 
-/* ball: u = t, D^-1 u = J^-1 t; to the parent f - H J^-1 t. Free link: besides, u = f - H J^-1 t, D^-1 u = M^-1 u */
+/* ball: u = t, D^-1 u = J^-1 t; to the parent f - H J^-1 t. Free link: in addition u = f - H J^-1 t, D^-1 u = M^-1 u */
 static inline void propagate_ball(const jo_link *k, const jo_link_work *w, jo_reach_work *y, jo_reach_work *p, int rows)
 {
     jo_vec Minv[3];
@@ -240,7 +241,8 @@ static void assemble_schur(const jo_model *m, jo_data *d)
     }
 }
 
-/* Factor S of each group. Rows that depend on others, always or in a singular position, get lambda = 0; the accelerations are the same. */
+/* Factor S of each group. Rows that depend on others, always or in a singular position, get lambda = 0, which does not change the
+ * accelerations. */
 static int factor_schur(const jo_model *m, jo_data *d)
 {
     int status = 1, row = 0, group = 0;
@@ -250,7 +252,7 @@ static int factor_schur(const jo_model *m, jo_data *d)
         status = m->redundant > 0 ? jo_gram_factor_pivoted(g, JO_REDUNDANT_PIVOT) : jo_gram_factor(g, &row);
     }
     if (status == 1) return JO_OK;
-    /* loop of the pivot that vanishes, for the message */
+    /* loop of the vanishing pivot, for the message */
     int loop = 0;
     while (loop + 1 < m->nloop
            && (m->loop[loop].group < group - 1 || (m->loop[loop + 1].group == group - 1 && m->loop[loop + 1].row <= row)))
@@ -260,7 +262,7 @@ static int factor_schur(const jo_model *m, jo_data *d)
     d->error_index = status == 0 ? m->loop[loop].joint : body < 0 ? m->marker[k->side[0]].body : body;
     if (status < 0) return JO_NOT_FINITE;
     if (m->redundant < 0) return JO_SINGULAR_JOINT;
-    /* singular position: factor again with pivoting, and leave the dependent rows out */
+    /* singular position: factor again with pivoting, without the dependent rows */
     d->counts.singular++;
     assemble_schur(m, d);
     for (int i = 0; i < d->tree.ngroup; i++)

@@ -6,9 +6,9 @@
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 
-enum { JO_MAX_CORRECTIONS = 4 };   /* corrections of x and of u in one projection */
-#define JO_SKIP_RATIO 0.01      /* residual / tolerance below which the first correction is skipped */
-#define JO_MIN_REDUCTION 0.5    /* residual / residual before above which the iteration for x ends */
+enum { JO_MAX_CORRECTIONS = 4 };   /* largest number of corrections of x and of u in one projection */
+#define JO_SKIP_RATIO 0.01      /* ratio of residual and tolerance below which the first correction is skipped */
+#define JO_MIN_REDUCTION 0.5    /* ratio of successive residuals above which the iteration for x ends */
 
 /* links, bodies, markers and coordinates of the loops at x and u */
 static void update_loops(const jo_model *m, jo_data *d)
@@ -66,7 +66,8 @@ static void solve_correction(const jo_model *m, jo_data *d, int velocity)
     jo_positions_moved(d);
 }
 
-/* whether the residual needs no correction k. The complex build always does the first one: derivatives converge one iteration later. */
+/* whether the residual needs no correction k. The complex build always makes the first correction, since derivatives converge one iteration
+ * later. */
 static int is_closed(double residual, double small, int k)
 {
 #ifdef JO_COMPLEX
@@ -99,7 +100,7 @@ int jo_tree_close_loops(const jo_model *m, jo_data *d)
         update_loops(m, d);
         rate = largest_residual(m, d, 1);
         if (rate < before) continue;
-        for (int i = 0; i < m->nu; i++) d->u[i] -= d->rate[i];   /* undo: the factors belong to another position */
+        for (int i = 0; i < m->nu; i++) d->u[i] -= d->rate[i];   /* undo the correction, since the factors belong to another position */
         update_loops(m, d);
         rate = before;
         break;

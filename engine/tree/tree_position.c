@@ -119,7 +119,7 @@ static void set_link_constants(const jo_model *m, jo_data *d)
         } else {
             place_on_parent(m, k, c);
         }
-        if (k->body < 0 || k->type == JO_LINK_BODY) continue;   /* JO_LINK_BODY: totals contain the bodies fixed to it only */
+        if (k->body < 0 || k->type == JO_LINK_BODY) continue;   /* JO_LINK_BODY: the totals contain only the bodies fixed to it */
         body_inertia_in_link_frame(&m->body[k->body], origin_of(m, k->inner), axes_of(m, k->inner), c);
         c->total_mass = c->mass;
         for (int j = 0; j < 3; j++) c->total_S[j] = c->S[j];
@@ -143,7 +143,7 @@ static void add_unique(int *list, int *count, int i)
 static void add_marker(const jo_model *m, jo_data *d, int marker)
 {
     jo_tree *t = &d->tree;
-    if (jo_nmaximal(d) && marker >= 0 && !jo_marker_in_tree(d, marker)) return;   /* the maximal-coordinate solver updates it */
+    if (jo_nmaximal(d) && marker >= 0 && !jo_marker_in_tree(d, marker)) return;   /* it is updated by the maximal-coordinate solver */
     add_unique(t->marker, &t->nmarker, marker);
     if (marker >= 0) add_unique(t->body, &t->nbody, m->marker[marker].body);
 }
@@ -246,7 +246,7 @@ void jo_tree_kinematics(const jo_model *m, jo_data *d)
 
 /* velocities v (nv) of the bodies at joint rates `rate` (nu) and the present orientations; the velocities of the links do not change */
 void jo_tree_body_rates(const jo_model *m, jo_data *d, const jo_real *rate, jo_real *v)
-{   /* Uf, Ut are free after an evaluation: work space for velocity and angular velocity */
+{   /* Uf and Ut are unused after an evaluation: work space for velocity and angular velocity */
     jo_link_work *link = d->tree.link;
     link->Ut = link->Uf = jo_vec_zero();
     for (int i = 0; i < m->nlink; i++) {
