@@ -52,7 +52,7 @@ export interface State {
   flat: boolean;
   selection: Place | null;
   hover: Place | null;
-  /** Looks by `run:body`, see `key`. */
+  /*Appearance by `run:body`, see `key`. */
   looks: Record<string, Look>;
   /** Only visible body, as `run:body`. */
   isolated: string | null;
@@ -73,7 +73,7 @@ export interface State {
   theme: "auto" | "light" | "dark";
   /** Visible runs; the first one is drawn in full, others as overlays. */
   runs: boolean[];
-  /** Offset of run number k: k times this beside the first, m. */
+  /*Offset of run number k relative to the first run: k times this vector, m. */
   offset: Vec3;
   /** Active mouse tool. */
   tool: "select" | "measure" | "pull";

@@ -7,7 +7,7 @@ import type { LegendLook } from "../panels/legend";
 export interface Dress {
   legend: LegendLook | null;
   title: string;
-  /** Whether the background is dark: text is light then. */
+  /*Whether the background is dark, so that text must be light. */
   dark: boolean;
   /** Ends of the axes in the corner, CSS pixels from the lower left corner. */
   ends: readonly (readonly [number, number])[];

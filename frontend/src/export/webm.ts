@@ -23,7 +23,7 @@ function float(value: number): Uint8Array {
   return bytes;
 }
 
-/** Length in 8 bytes: any size at a constant width. */
+/*Length in 8 bytes, for any size with a constant width. */
 function size(value: number): Uint8Array {
   const bytes = new Uint8Array(8);
   const view = new DataView(bytes.buffer);

@@ -8,7 +8,7 @@ interface Course {
   values: ArrayLike<number>;
 }
 
-/** `b - a` at the instants of both, in their common time range; linear between. */
+/*`b - a` at the instants of both curves, in their common time range; linear between instants. */
 export function difference(a: Course, b: Course): { time: Float64Array; values: Float64Array } {
   if (!a.time.length || !b.time.length) return { time: new Float64Array(), values: new Float64Array() };
   const first = Math.max(a.time[0], b.time[0]);
@@ -22,7 +22,7 @@ function at({ time, values }: Course, t: number): number {
   const i = before(time, t);
   const j = Math.min(i + 1, time.length - 1);
   const span = time[j] - time[i];
-  // exact value at an own instant, so that an unknown neighbour has no influence
+  // exact value at an instant of the curve, so that an unknown neighbour has no influence
   return t <= time[i] || !(span > 0) ? values[i] : values[i] + ((t - time[i]) / span) * (values[j] - values[i]);
 }
 

@@ -34,7 +34,7 @@ for (const base of ["N", "N m", "W", "J", "Hz", "N/m", "V"]) {
   ];
 }
 
-/** Smallest largest-value, in multiples of a unit, from which its prefix is used. */
+/*Smallest largest value, in multiples of a unit, for which the prefix of the unit is used. */
 const FROM: Record<string, number> = { Pa: 1, kPa: 0.1, MPa: 0.1, GPa: 100, km: 10, kHz: 10, m: 1, mm: 0.1 };
 
 /** Return a readable unit for values up to `size` (SI) of a quantity. */
@@ -93,7 +93,7 @@ function superscript(text: string): string {
   return [...text].map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)])).join("");
 }
 
-/** Return a reading, 0 if it is rounding error. */
+/*Return a reading; rounding errors become 0. */
 export function reading(value: number, floor: number): number {
   return Math.abs(value) <= floor ? 0 : value;
 }

@@ -4,7 +4,7 @@ import { exponential, turn } from "../math/rotation";
 import type { Scene, Side, Symbol } from "../protocol";
 import { sideAxes, sidePosition } from "./pose";
 
-/** Freedom of a joint with one side that has no other connection. */
+/*Freedom of a joint of which one side has no other connection. */
 export interface Freedom {
   name: string;
   /** Whether it is a rotation, rad; else a translation, m. */
@@ -18,7 +18,7 @@ export interface Freedom {
 
 const TURNS = new Set(["revolute", "cylindrical"]);
 const SHIFTS = new Set(["prismatic", "cylindrical"]);
-const DRIVES = new Set(["motor", "actuator"]); // act along a joint, and hold no body
+const DRIVES = new Set(["motor", "actuator"]); // these act along a joint and connect no bodies
 
 interface Edge {
   ends: [number, number];
@@ -26,7 +26,7 @@ interface Edge {
 }
 
 /**
- * Freedoms that can be set one by one: of joints that no loop of bodies runs through. These are the
+ * Freedoms that can be set one by one: those of joints that are not part of a closed loop of bodies. These are the
  * bridges of the graph of bodies and joints (Tarjan, Information Processing Letters 2, 1974).
  */
 export function freedoms(scene: Scene): Freedom[] {
@@ -39,7 +39,7 @@ export function freedoms(scene: Scene): Freedom[] {
       else at.set(place, [k]);
     }
   });
-  const order: number[] = []; // places as they are reached
+  const order: number[] = []; // places in the order in which they are reached
   const reached = new Map<number, number>();
   const found: { edge: Edge; child: number; from: number; to: number }[] = [];
   for (const root of at.keys()) {

@@ -159,8 +159,8 @@ export class LiveTrack extends Listeners implements Track {
   async ready(): Promise<void> {}
 }
 
-const PIECE = 1 << 20; // bytes asked for at once
-const KEPT = 1 << 28; // bytes of rows that stay loaded
+const PIECE = 1 << 20; // bytes of one request
+const KEPT = 1 << 28; // bytes of loaded rows that are kept
 
 /** Stored frames, loaded in pieces on demand. */
 export class FramesTrack extends Listeners implements Track {
@@ -230,7 +230,7 @@ export class FramesTrack extends Listeners implements Track {
       void this.load(number);
       return null;
     }
-    // least-recently-used order of the map: drop the first piece
+    // the map is in least-recently-used order: drop the first piece
     this.pieces.delete(number);
     this.pieces.set(number, piece);
     const at = (i - number * this.size) * this.nr;
@@ -273,7 +273,7 @@ export class FramesTrack extends Listeners implements Track {
       },
     );
     this.asked.set(number, work);
-    work.catch(() => undefined); // whoever waits for it sees the error
+    work.catch(() => undefined); // the caller that waits for the rows gets the error
     return work;
   }
 }

@@ -11,7 +11,7 @@ import type { Curve } from "./plots";
 const LIGHT = ["#1c5fa8", "#d9542b", "#2a9d78", "#8a56b0", "#a9780a", "#2f8fc0", "#b0426b", "#6b7280"];
 const DARK = ["#6fb0f2", "#ff8f66", "#58cfa6", "#c79aed", "#e5b94e", "#7fd0f5", "#ef86ac", "#a5adb8"];
 
-const DASHES = [[], [8, 4], [3, 3], [10, 3, 3, 3]]; // pixels, of the components of a thing
+const DASHES = [[], [8, 4], [3, 3], [10, 3, 3, 3]]; // dash patterns, pixels, of the components of an object
 
 const variable = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const dark = (): boolean => document.documentElement.dataset["theme"] === "dark";
@@ -107,7 +107,7 @@ export class Chart {
     return uPlot.join(scaled);
   }
 
-  /** Colour of a curve: that of its run if several runs are compared. */
+  /*Colour of a curve; if several runs are compared, the colour of its run. */
   private colour(k: number): string {
     const own = dark() ? DARK : LIGHT;
     const { run } = this.curves[k];
@@ -198,7 +198,7 @@ export class Chart {
     ctx.strokeStyle = variable("--ink");
     ctx.globalAlpha = 0.75;
     ctx.lineWidth = devicePixelRatio;
-    ctx.setLineDash([]); // those of the last curve
+    ctx.setLineDash([]); // dashes of the last curve
     ctx.beginPath();
     ctx.moveTo(x, top);
     ctx.lineTo(x, top + height);

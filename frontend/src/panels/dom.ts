@@ -49,7 +49,7 @@ export function button(
   return made;
 }
 
-/** Show a button as pressed or not. */
+/*Display a button as pressed or not. */
 export function press(element: HTMLElement, on: boolean): void {
   element.setAttribute("aria-pressed", String(on));
 }

@@ -6,7 +6,7 @@ import { StillTrack } from "../motion/track";
 import { button, hint, section, slider } from "./dom";
 import type { Kit } from "./kit";
 
-const FEW = 12; // sliders that are open at once
+const FEW = 12; // number of sliders that are open at the same time
 const DEGREE = Math.PI / 180;
 
 export function mountJoints(kit: Kit): void {

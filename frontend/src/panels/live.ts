@@ -15,7 +15,7 @@ import { mountReadings } from "./readings";
 /** Keys of the first inputs: one lowers, the other raises. */
 const KEYS = [["a", "q"], ["s", "w"], ["z", "x"], ["r", "v"]] as const;
 
-const FEW = 8; // parameters that are shown at once
+const FEW = 8; // number of parameters that are shown at the same time
 
 export function mountLive(kit: Kit): void {
   const { app } = kit;
@@ -181,7 +181,7 @@ function mountInputs(kit: Kit, order: (what: Record<string, unknown>) => void): 
   return section("Inputs", true, ...sliders.map(({ element }) => element));
 }
 
-/** Held keys move inputs steadily: the whole range in two seconds. */
+/*Held keys move inputs at a constant rate: the whole range in two seconds. */
 function steer(inputs: readonly Input[], values: readonly number[], set: (k: number, value: number) => void): void {
   const held = new Map<string, { k: number; way: number }>();
   let last = 0;

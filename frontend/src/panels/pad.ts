@@ -2,7 +2,7 @@
 
 import type { Input } from "../protocol";
 
-const REST = 0.12; // a stick that is let go does not stand at zero exactly
+const REST = 0.12; // share of the range within which a released stick counts as zero
 
 /** Input value of a stick at `x` (-1 to 1); `rest` is the initial value. */
 export function stick(input: Input, x: number, rest: number): number {

@@ -4,7 +4,7 @@ import type { Vec3 } from "../protocol";
 import type { Kit } from "./kit";
 
 const NS = "http://www.w3.org/2000/svg";
-const OFTEN = 15; // ms between targets that are sent
+const OFTEN = 15; // time between targets that are sent, ms
 
 export function mountPull(kit: Kit, order: (what: Record<string, unknown>) => void): void {
   const { view, store, slots } = kit.app;

@@ -5,7 +5,7 @@ import type { Live } from "../protocol";
 import { h, section } from "./dom";
 import type { Kit } from "./kit";
 
-const MOST = 12; // values of a sensor that are listed: fields of many points only as curves
+const MOST = 12; // number of values of a sensor that are listed; larger fields are shown as curves only
 
 export function mountReadings(kit: Kit): { element: HTMLElement | null; show: (live: Live) => void } {
   const { sensors } = kit.app.runs[0].scene;

@@ -90,7 +90,7 @@ export function mountTree(kit: Kit): void {
   app.slots.left.append(h("div", "panel-head", search), list, none, all);
 }
 
-/** Looks without visibility settings: colours remain. */
+/*Appearance without the visibility settings; colours remain. */
 function bare(looks: Record<string, Look>): Record<string, Look> {
   return Object.fromEntries(
     Object.entries(looks).flatMap(([name, { colour }]) => (colour ? [[name, { colour }]] : [])),

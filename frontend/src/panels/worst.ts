@@ -9,7 +9,7 @@ import { placeName, tried } from "./kit";
 
 const COUNT = 6;
 type Place = Worst & { run: number };
-const SMALL = 3e6; // numbers of a run that are searched without being asked for
+const SMALL = 3e6; // number of values of a run up to which extreme places are searched automatically
 
 export function mountWorst(kit: Kit): void {
   const { app } = kit;
@@ -108,7 +108,7 @@ export function mountWorst(kit: Kit): void {
   const small = scene.frames.data.length * scene.row < SMALL;
   store.watch(["measure"], () => {
     if (wanted() === asked) return;
-    // a page without server contains those of von Mises stress
+    // a page without server contains the extreme places of von Mises stress
     if (small && (source.exact || wanted() === "von-mises")) void search();
     else {
       asked = "";

@@ -41,7 +41,7 @@ export function readPaint(element: HTMLElement): Paint {
   };
 }
 
-/** CSS colour of a body without a measure; with several runs that of its run. */
+/*CSS colour of a body without a measure; with several runs, the colour of its run. */
 export function bodyColour(state: Readonly<State>, run: number, index: number, body: Body): string {
   const chosen = state.looks[key(run, index)]?.colour;
   if (chosen) return chosen;

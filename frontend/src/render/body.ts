@@ -53,7 +53,7 @@ export class BodyView {
     this.build();
   }
 
-  /** Whether the shader adds a deformation. */
+  /*Whether the shader adds a deformation to the body. */
   protected get deforms(): boolean {
     return !!this.body.shapes && this.body.place >= 0;
   }

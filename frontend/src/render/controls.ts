@@ -17,7 +17,7 @@ interface Finger {
   y: number;
 }
 
-const SLACK = 4; // pixels that a click may move
+const SLACK = 4; // pixels by which the pointer may move during a click
 const ORBIT = 0.0065; // rad a pixel
 
 /** Move the camera by gestures on an element; calls `moved` after each move. */

@@ -1,11 +1,11 @@
 /**
- * The lowest and highest value over the vertices that are drawn: each is a point on one of some
- * pixels, which keep the largest of what falls on them.
+ * The lowest and highest value over the drawn vertices: each vertex is drawn as a point on one of several pixels, which store the largest
+ * value drawn on them.
  */
 
 import * as THREE from "three";
 
-const LANES = 64; // pixels, so that they need not all wait for one
+const LANES = 64; // number of pixels, so that the points need not all wait for one pixel
 
 export class Extremes {
   private target: THREE.WebGLRenderTarget | null = null;

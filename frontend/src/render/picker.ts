@@ -10,7 +10,7 @@ export interface Found {
   depth: number;
 }
 
-const REACH = 3; // pixels about the point within which thin things are found
+const REACH = 3; // distance from the point, pixels, within which thin objects are found
 
 export class Picker {
   private side = 2 * REACH + 1;

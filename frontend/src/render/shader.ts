@@ -1,15 +1,15 @@
 /** GPU programs: deformation, stress, colours, light. */
 
 /**
- * Deformation and measure of each vertex, once for all that is drawn with them: a pixel for each.
- * Textures have one layer a mode; those of stress two texels a vertex. Defines: MODES, SHAPES (there
+ * Deformation and measure of each vertex, computed once for all objects drawn with them, one pixel per vertex.
+ * Textures have one layer per mode; textures of stress have two texels per vertex. Defines: MODES, SHAPES (there
  * are shapes), STRESS (modal or static stress).
  */
 export const MOVE_FRAGMENT = /* glsl */ `
 precision highp float;
 precision highp int;
 uniform int measure;
-uniform float unit;                    // of the measure, so that half floats can hold it
+uniform float unit;                    // unit of the measure, in which half floats can represent it
 uniform int count;
 #ifdef SHAPES
 uniform highp sampler2DArray shapes;
@@ -81,14 +81,14 @@ void main() {
 `;
 
 /**
- * What the vertex shaders share. Defines: MOVED (there is a texture of deformations), SPLIT (corners
- * of a vertex at a crease are apart, an attribute has its number).
+ * Code shared by the vertex shaders. Defines: MOVED (there is a texture of deformations), SPLIT (the corners of a vertex at a crease are
+ * separate, and an attribute contains the number of the vertex).
  */
 export const DEFORM = /* glsl */ `
 uniform int measure;
-uniform int knows;                     // 0 nowhere, 1 where it is known, 2 everywhere
+uniform int knows;                     // 0: known nowhere, 1: known at some vertices, 2: known everywhere
 in float known;
-in float value;                        // where it comes from the processor: beams, damage
+in float value;                        // values computed by the processor: beams, damage
 #ifdef SPLIT
 in uint source;
 #endif
@@ -175,11 +175,11 @@ uniform int measure;
 uniform vec2 range;
 uniform float bands;
 uniform bool isolines;
-uniform bool plain;      // colours of the map without light
+uniform bool plain;      // colours of the map, without light
 uniform bool deforms;
 uniform bool parallel;
 uniform vec3 unknown;
-uniform vec3 glow;       // of a selected body
+uniform vec3 glow;       // colour added to a selected body
 uniform sampler2D map;
 in vec3 vView;
 in vec3 vNormal;

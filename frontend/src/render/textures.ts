@@ -3,7 +3,7 @@
 import * as THREE from "three";
 import type { Block, Body } from "../protocol";
 
-const WIDTH = 4096; // texels of a line; even, so that the two of a vertex stand side by side
+const WIDTH = 4096; // texels per line; even, so that the two texels of a vertex are side by side
 
 function layers(data: Uint16Array | Float32Array, width: number, height: number, depth: number): THREE.DataArrayTexture {
   const texture = new THREE.DataArrayTexture(data as never, width, height, depth);

@@ -9,7 +9,7 @@ import { raw } from "./appearance";
 import type { Machine } from "./machine";
 
 const COLOURS = ["#d9594c", "#3f87c9", "#3fa66b", "#e0a33e", "#8a5fc0", "#3aa3a8"].map(raw);
-const MOST = 4000; // points of a path
+const MOST = 4000; // largest number of points of a path
 
 interface Path {
   place: Place;

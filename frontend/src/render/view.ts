@@ -35,7 +35,7 @@ export interface Hit extends Place {
   symbol?: number;
 }
 
-const OUTLINE = 5000; // vertices by which the picture is filled
+const OUTLINE = 5000; // largest number of vertices that define the outline of the picture
 
 export class View {
   readonly canvas: HTMLCanvasElement;
@@ -88,7 +88,7 @@ export class View {
     this.floor = Math.min(...corners(low, high).map((corner) => corner.dot(this.rig.above)));
 
     this.renderer = openRenderer();
-    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the shaders write what the screen shows
+    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the shaders write screen colours
     this.renderer.setClearColor(0x000000, 0);
     this.renderer.sortObjects = true;
     this.canvas = this.renderer.domElement;

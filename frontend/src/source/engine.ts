@@ -26,8 +26,8 @@ export function isMachine(content: ArrayBuffer): boolean {
   return decode(content)["kind"] === "machine";
 }
 
-const BUDGET = 14; // ms that steps may take between two pictures, or half of the time between them
-const BEHIND = 250; // ms; what is further behind is given up
+const BUDGET = 14; // time, ms, that steps may take between two pictures; or half of the time between them
+const BEHIND = 250; // lag, ms, beyond which the engine does not catch up
 
 export class EngineSource implements Source {
   readonly exact = false;

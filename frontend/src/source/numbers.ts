@@ -1,6 +1,6 @@
 /**
- * Numbers that a page without a server works out itself, in double precision from what is in the
- * page (5 digits): a point's stress now, its history, ranges over the run and worst places.
+ * Numbers that a page without a server computes itself, in double precision from the data in the page (5 digits): the present stress of a
+ * point, its history, ranges over the run and worst places.
  */
 
 import { measure, principal, vonMises } from "../math/tensor";

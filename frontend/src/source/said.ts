@@ -1,4 +1,4 @@
-/** Message that survives a reload of the page. */
+/*Message that is displayed after a reload of the page. */
 
 const NAME = "jousto-said";
 

@@ -5,7 +5,7 @@ import { decode } from "../protocol";
 import type { Source } from "./source";
 import { keep } from "./said";
 
-const LOOK = 2000; // ms between looks at the files
+const LOOK = 2000; // time between checks of the files, ms
 
 interface Waiting {
   resolve: (value: Record<string, unknown>) => void;

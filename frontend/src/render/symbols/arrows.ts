@@ -6,7 +6,7 @@ import { sidePosition } from "../../motion/pose";
 import type { Scene, Sensor } from "../../protocol";
 import type { Arrow } from "./symbols";
 
-const LONGEST = 0.45; // length of the largest arrow of a kind by the size of the scene
+const LONGEST = 0.45; // length of the largest arrow of a kind, relative to the size of the scene
 
 interface Course {
   sensor: number;

@@ -3,10 +3,10 @@
 import { sidePosition } from "../../motion/pose";
 import type { Scene, Symbol, Vec3 } from "../../protocol";
 
-const USUAL = 0.028; // by the radius of the machine
-const SHARE = 0.25; // at most, by the distance to the next one: rings are 1.5 sizes wide, pins 2.4 long
-const LEAST = 0.1; // by the usual one, where only one other is near: two may be meant to be at one place
-const SAME = 1e-9; // by the radius of the machine: at one place, but for rounding
+const USUAL = 0.028; // usual size, relative to the radius of the machine
+const SHARE = 0.25; // largest size, relative to the distance to the next symbol: rings are 1.5 sizes wide, pins 2.4 long
+const LEAST = 0.1; // smallest size, relative to the usual size, if only one other symbol is near: both may be meant to be at one place
+const SAME = 1e-9; // distance, relative to the radius of the machine, below which two symbols are at one place
 
 /** Distances to the two nearest joints, and the index of the nearest one. */
 interface Near {
@@ -26,7 +26,7 @@ export function sizesOf(scene: Scene, row: ArrayLike<number>, radius: number): n
     const most = span > SAME * radius ? Math.max(SHARE * span, LEAST * usual) : usual;
     return Math.min(usual, most, SHARE * second, Math.max(SHARE * next, LEAST * usual));
   });
-  // the last symbol of a chain has the size of the one before
+  // the last symbol of a chain has the size of the previous one
   return sizes.map((size, i) => Math.min(size, scene.symbols[i].size === null ? (sizes[near[i].which] ?? size) : size));
 }
 
