@@ -1,4 +1,4 @@
-"""SIMULATE: run a model, write its results, read them."""
+"""Simulation: run a model, write its results, read them."""
 
 from jousto.base.lazy_exports import open_room
 

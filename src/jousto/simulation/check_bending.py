@@ -20,7 +20,7 @@ length; both errors grow with the square of the angle."""
 def turn_within(shape: Shape, p: Array) -> float:
     """Return the largest relative rotation of element edges within a body, rad.
 
-    An edge d that becomes d + u turns by ``d x u / d^2``. The result is the largest difference of
+    An edge d that becomes d + u rotates by ``d x u / d^2``. The result is the largest difference of
     these vectors, component by component, which does not depend on the motion of the body frame.
     """
     u = shape.modes @ p
@@ -56,7 +56,7 @@ class Bend:
         return turn_within(self._shape, p[k]) if most[k] > FAR else 0.0
 
     def sentence(self, turn: float) -> str:
-        """Return the warning for a rotation within the body; empty below `FAR`."""
+        """Return the warning for a rotation within the body; empty if it is below `FAR`."""
         if not turn > FAR:
             return ""
         return (
@@ -80,7 +80,7 @@ def bends(model: Model) -> tuple[Bend, ...]:
 
 
 def warn_far(model: Model, q: Array, where: str) -> set[str]:
-    """Warn of modal bodies that bend more than `FAR` at a position; return their names."""
+    """Warn of modal bodies bent by more than `FAR` at a position; return their names."""
     row = np.concatenate([[0.0], np.asarray(q, dtype=float)])[None]
     found = {bend.name: bend.sentence(bend.furthest(row)) for bend in bends(model)}
     far = {name for name, sentence in found.items() if sentence}

@@ -17,8 +17,8 @@ LIMIT = 0.2
 class Spin:
     """Largest spin of a flexible body without geometric stiffness in a run.
 
-    Its square is ``w^T J w / max(J)``: the spin that stretches the body. A shaft that turns about
-    its own axis has almost none.
+    Its square is ``w^T J w / max(J)``: the spin that stretches the body. It is almost zero for a
+    shaft that turns about its own axis.
     """
 
     def __init__(self, model: Model, index: int) -> None:
@@ -44,7 +44,7 @@ class Spin:
         return float(np.sqrt(squared)) / self._lowest
 
     def sentence(self, squared: float) -> str:
-        """Return the warning for a spin; empty below `LIMIT`."""
+        """Return the warning for a spin; empty if the spin is below `LIMIT`."""
         speed = float(np.sqrt(squared))
         share = self.share(squared)
         if share < LIMIT:

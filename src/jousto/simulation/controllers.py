@@ -1,4 +1,4 @@
-"""Equilibria with PID controllers: the integral parts that hold the machine at its references."""
+"""Equilibria with PID controllers: the integral parts for rest at the references."""
 
 from __future__ import annotations
 
@@ -45,12 +45,13 @@ def hold_controllers(model: Model) -> Model:
 
 
 def without_controllers(model: Model, where: str) -> None:
-    """Raise an error if the integral part of a controller is unknown.
+    """Raise an error if a controller of the model has an unknown integral or derivative part.
 
     Raises
     ------
     InputError
-        If it has one, or one with a derivative, whose filter has not followed.
+        If a controller has an integral part, or a derivative part, whose filter is not in
+        equilibrium.
     """
     problems = [
         Problem(
@@ -76,17 +77,17 @@ def settle_controllers(
     Parameters
     ----------
     model : Model
-        With the controllers.
+        Model with the controllers.
     state : State, optional
-        Where to begin.
+        Initial state of the iteration.
     rest : callable
-        Returns the equilibrium for integral parts that stand still, from a state near it.
+        Function that returns the equilibrium for constant integral parts, from a nearby state.
 
     Raises
     ------
     SimulationError
-        If a controller of a rate wants the machine to move, or one cannot bring its coordinate
-        to where it wants it.
+        If the reference of a rate controller is a motion, or a controller cannot move its
+        coordinate to the reference.
     """
     found = controllers(model)
     if not found:
@@ -164,7 +165,7 @@ def settle_controllers(
 
 
 def yielding_states(model: Model) -> NDArray[np.intp]:
-    """Return the places of the states of forces that yield, which are no rates' integrals."""
+    """Return the indices of the states of forces that yield; these have no rates."""
     places = [
         range(force.state, force.state + force.states) for force in model.forces if force.law.yields
     ]
@@ -172,12 +173,12 @@ def yielding_states(model: Model) -> NDArray[np.intp]:
 
 
 def moving_states(model: Model) -> NDArray[np.intp]:
-    """Return the places of the other states, which have rates."""
+    """Return the indices of the other states, which are integrated from rates."""
     return np.setdiff1d(np.arange(model.nstate), yielding_states(model))
 
 
 def state_sizes(model: Model) -> Array:
-    """Return the scale (nstate,) of force states for an error of the coordinate's size."""
+    """Return the scale (nstate,) of force states for an error of the size of the coordinate."""
     out = np.zeros(model.nstate)
     for force in controllers(model):
         data, size = named("jo_pid_data", force.data), _size(model, force)
@@ -204,7 +205,7 @@ def fastest_tracking(model: Model) -> tuple[float, str]:
 
 
 def tracking_warning(model: Model, step: float) -> str:
-    """Return a warning if the step exceeds the time constant of a back-calculation, else nothing.
+    """Return a warning if the step exceeds the time constant of a back-calculation, else "".
 
     The integral part of a limited force then jumps from beyond one limit to beyond the other.
     """

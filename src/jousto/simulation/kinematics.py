@@ -1,4 +1,4 @@
-"""kinematics, inverse_dynamics: motion and drive forces of fully driven mechanisms."""
+"""kinematics, inverse_dynamics: motion of fully driven mechanisms, and forces of their drives."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ def kinematics(model: Model, times: ArrayLike, *, path: str | Path | None = None
     positions are predicted from the previous ones; long intervals are divided to stay on the same
     branch and to count revolutions. Elastic bodies bend under the loads and the inertia of the
     motion, ``M a + Cq^T lam = Q`` with the smallest p' and p'' that satisfy the drives, but do not
-    vibrate. This is accurate if the drives are smooth and slow against the lowest mode; otherwise
-    use `simulate`.
+    vibrate. This is accurate if the drives are smooth and slow compared with the lowest mode;
+    otherwise use `simulate`.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def _instants(model: Any, times: Any) -> Array:
 
 
 def _check_driven(model: Model) -> None:
-    """Raise an error for forces that depend on the motion before, and for undriven motions."""
+    """Raise an error for forces that depend on the previous motion, and for undriven motions."""
     without_fmus(model, "kinematics", "moves by forces")
     without_controllers(model, "kinematics")
     problems = Problems()
@@ -222,7 +222,7 @@ def positions(model: Model, instants: Array) -> Iterator[Array]:
 
 
 def _obstacle(model: Model) -> str:
-    """Return the cause, with the remedy, for which a mechanism cannot follow its drives."""
+    """Return why a mechanism cannot follow its drives, with the remedy."""
     found = repeated_rows(model) if model.redundant else None
     if found and found.drives:
         names = ", ".join(f"'{name}'" for name in found.joints)
@@ -276,7 +276,7 @@ def _advance(model: Model, engine: Engine, bending: Bending | None, instant: flo
 
 
 def _turned(model: Model, one: Array, other: Array) -> float:
-    """Return the largest angle by which a body is rotated between two positions, rad."""
+    """Return the largest rotation angle of a body between two positions, rad."""
     largest = 0.0
     for body in model.bodies:
         parameters = slice(body.iq + 3, body.iq + 7)

@@ -63,10 +63,10 @@ def with_second_order(model: Model, where: str) -> Model:
 
 
 def where_noticed(model: Model, state: State | None, where: str) -> Model:
-    """Return the model with geometric stiffness in the bodies whose stiffness the loads change.
+    """Return the model with geometric stiffness in bodies whose stiffness the loads change.
 
-    Bodies of parts up to CHEAP degrees of freedom always have it; of larger parts the change of
-    the stiffness is estimated first.
+    Bodies of parts up to CHEAP degrees of freedom always get it; for larger parts the change of the
+    stiffness is estimated first.
 
     Warns
     -----
@@ -167,7 +167,7 @@ def stiffness_shares(model: Model, state: State | None, indices: set[int]) -> di
 
     The integral of the stress over a body is ``W = int sigma dV = sum f (x) u + int g (x) u dm``,
     with the forces f at the points u (virial theorem). A slender body under a principal value of W
-    along its axis e has the geometric stiffness ``N int w'^2 dx = (e W e) mean(w'^2)``, w' being
+    along its axis e has the geometric stiffness ``N int w'^2 dx = (e W e) mean(w'^2)``, where w' is
     the slope of element edges along e. The change is the largest eigenvalue of this matrix over
     ``diag(omega^2)``, or the square of the spin over the lowest frequency.
 
@@ -258,7 +258,7 @@ def _strained(model: Model, engine: Engine, indices: set[int], strains: Array) -
 
 
 def _share(body: BodyModel, shape: Shape, W: Array) -> float:
-    """Return the largest geometric stiffness of the integral W over the stiffness of the modes."""
+    """Return the largest ratio of the geometric stiffness due to W and the modal stiffness."""
     ends = np.asarray(shape.elements)
     if not ends.size:
         return 0.0

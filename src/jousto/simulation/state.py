@@ -33,8 +33,7 @@ class State:
     states : array, optional
         First-order states of forces, such as the integral part of a `PID`; None is their initial
         value.
-    turn : array, optional
-        Unwrapped angles, rad; None takes them from within half a revolution.
+    turn : array, optional Unwrapped angles, rad; with None they are within half a revolution.
     locked, slip, held, direction : arrays, optional
         Stick-slip friction: whether it sticks, sense of slip, coordinate where it sticks, direction
         of slip; None determines them from the velocities.
@@ -47,8 +46,8 @@ class State:
     meters : array, optional
         States of the damage meters; None is their initial value.
     joint : array, optional
-        Joint coordinates and their rates, for models in joint coordinates; None takes them from q
-        and v.
+        Joint coordinates and their rates, for models in joint coordinates; with None they are
+        computed from q and v.
     """
 
     q: Array
@@ -142,7 +141,7 @@ def put(engine: Engine, state: State, where: str) -> None:
 
 
 def _check_states(problems: Problems, where: str, model: Model, states: Array) -> None:
-    """Report states of forces that their law cannot reach."""
+    """Report states of forces that the laws of these forces cannot reach."""
     for force in model.forces:
         law = force.law
         own = states[force.state : force.state + force.states] if force.states else states[:0]

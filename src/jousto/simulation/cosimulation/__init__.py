@@ -1,1 +1,1 @@
-"""Functional mock-up units beside the engine: their process, the exchange, its energy."""
+"""Functional mock-up units beside the engine: process of a unit, exchange of values, energy."""

@@ -3,9 +3,9 @@
 A unit that receives an acceleration or a reaction and returns a force closes a loop without delay:
 ``y = g(s(y))``, with the sensors s for outputs y and the outputs g of the unit for these sensors.
 Constant values between exchanges are the iteration ``y <- g(s(y))``, one per exchange, whose error
-grows by the gain of the loop, ``|dg/ds ds/dy|``, e.g. the added mass over that of the machine.
-Newton's method on the interface converges (Kuebler and Schiehlen, Mathematical and Computer
-Modelling of Dynamical Systems 6, 2000, 93-113): ``(dg/dy - I) dy = y - g``.
+grows by the gain of the loop, ``|dg/ds ds/dy|``, for example the ratio of the added mass to the
+mass of the machine. Newton's method on the interface converges (Kuebler and Schiehlen, Mathematical
+and Computer Modelling of Dynamical Systems 6, 2000, 93-113): ``(dg/dy - I) dy = y - g``.
 """
 
 from __future__ import annotations
@@ -118,8 +118,8 @@ class Growth:
     def gain(self) -> float:
         """Growth factor per exchange of an unstable loop; 0 if there is none.
 
-        Unstable are differences that alternate and grow, and those that grow by more than 1.3 in
-        each of 20 exchanges; a start from rest like t^n grows less.
+        A loop is unstable if differences alternate and grow, or if they grow by more than 1.3 in
+        each of 20 exchanges. Values that start from rest like t^n grow more slowly.
         """
         found = np.array(self.ratios)
         if len(found) < GROWTH or not ((found < -1.0).all() or (found > STEEP).all()):

@@ -31,7 +31,7 @@ class Partner:
     Attributes
     ----------
     model : FmuModel
-        The unit.
+        Functional mock-up unit.
     every : int
         Steps of the model between two exchanges.
     known : list of (time, outputs, inputs)
@@ -80,7 +80,7 @@ class Partner:
         return np.concatenate([sensors[self.places], self.given])
 
     def ahead(self, time: float, lag: int, which: int) -> Array:
-        """Return the outputs (which=1) or inputs (2) at a time, extrapolated from exchanges."""
+        """Return outputs (which=1) or inputs (which=2) at a time, extrapolated from exchanges."""
         t, *last = self.known[-1]
         value = last[which - 1]
         if not self.linear or len(self.known) <= lag:
@@ -113,7 +113,7 @@ class Partner:
 
     @property
     def misses(self) -> str:
-        """Return the warning for an energy error of the exchange; empty if it is small."""
+        """Return the warning for the energy error of the exchange; empty if the error is small."""
         crossed = float(self.extremes[1] - self.extremes[0])
         if not (self.error > FAIR * crossed and crossed > 0.0):
             return ""

@@ -43,9 +43,9 @@ class FmuProcess:
     Parameters
     ----------
     model : FmuModel
-        The unit.
+        Functional mock-up unit.
     values : (k,) array
-        Its inputs at time 0.
+        Inputs of the unit at time 0.
     stop : float
         End of the run, s.
 

@@ -20,7 +20,7 @@ class Worker:
         self.saved: list[Any] = []
 
     def told(self, status: int, message: Any) -> None:
-        """Append a message of the unit to the log; the callback of FMPy."""
+        """Append a message of the unit to the log; called by FMPy."""
         text = message.decode(errors="replace") if isinstance(message, bytes) else str(message)
         self.log = [*self.log[1 - MOST_LOG :], f"{STATUS[status % 6]}: {text}"]
 
@@ -65,21 +65,21 @@ class Worker:
         return self.values()
 
     def put_some(self, references: list[int], values: list[float]) -> None:
-        """Set values of variables; no call of the unit for an empty list."""
+        """Set values of variables; an empty list causes no call of the unit."""
         if references:
             self.put(references, values)
 
     def values(self) -> list[float]:
-        """Return the outputs."""
+        """Return the values of the outputs."""
         return list(self.get(self.refs[1])) if self.refs[1] else []
 
     def exchange(self, task: dict[str, Any]) -> list[float]:
-        """Set inputs, return outputs."""
+        """Set the inputs and return the outputs."""
         self.put_some(self.refs[0], task["values"])
         return self.values()
 
     def step(self, task: dict[str, Any]) -> list[float]:
-        """Set inputs, make a step, return outputs at its end."""
+        """Set the inputs, make a step, and return the outputs at its end."""
         self.put_some(self.refs[0], task["values"])
         done = self.unit.doStep(task["at"], task["step"], not self.saved)
         if done and (done[1] or done[2]):

@@ -1,9 +1,9 @@
 """Drag spring: a spring and damper that pulls a point of a body towards a target.
 
-``F = k (x - r) - c r'`` acts at the point r, at any place of a body; its modal forces follow from
-the mode shapes at the point. It consists of three forces of the engine along the axes of the world
-frame, whose references x are external inputs, so that the energy balance includes its work. Body
-and point are inputs too, so that a record of the inputs contains the whole drag.
+``F = k (x - r) - c r'`` acts at the point r, which may be anywhere on a body; its modal forces
+follow from the mode shapes at the point. It consists of three forces of the engine along the axes
+of the world frame, whose references x are external inputs, so that the energy balance includes its
+work. Body and point are inputs too, so that a record of the inputs contains the whole drag.
 """
 
 from __future__ import annotations

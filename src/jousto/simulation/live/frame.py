@@ -25,7 +25,7 @@ INPUTS, OUTPUTS = 0, 1
 
 
 def mark_of(inputs: Sequence[str], outputs: Sequence[str]) -> int:
-    """Return the checksum of the names of inputs and outputs, which both sides compare.
+    """Return the checksum of the names of inputs and outputs, with which both sides are compared.
 
     Examples
     --------
@@ -107,7 +107,7 @@ class Received:
         return values
 
     def _follows(self, sequence: int) -> bool:
-        """Return whether a frame with this sequence number is accepted after the last one."""
+        """Return whether a frame with this sequence number may follow the last accepted frame."""
         ahead, behind = ((sequence - self.last) % NUMBERS, (self.last - sequence) % NUMBERS)
         if not sequence or not self.taken or sequence == self.awaited:
             return True

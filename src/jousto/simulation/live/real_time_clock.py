@@ -63,7 +63,7 @@ class Pace:
     missed : int
         Number of steps that ended after the next one was due.
     given_up : int
-        Number of times that a delay was skipped.
+        Number of skipped delays.
 
     Examples
     --------
@@ -155,7 +155,7 @@ class Pace:
         }
 
     def took(self, found: Mapping[str, float]) -> None:
-        """Update the statistics with the results of `Engine.paced`."""
+        """Update the statistics by the results of `Engine.paced`."""
         now = self._clock()
         self._due = now + found["ahead"]
         self.latest, self.worst = found["latest"], found["worst"]

@@ -79,7 +79,7 @@ class Recorder:
         return self._given >= self._room
 
     def add(self, rows: Array, happened: Array) -> None:
-        """Add rows (k, row_size) and events (k, 4)."""
+        """Add rows (k, row_size) and events (k, 4) to the file."""
         rows = rows[: self._room - self._given]
         self._given += len(rows)
         if len(rows):

@@ -142,7 +142,7 @@ class Runner:
     # -- for any thread ------------------------------------------------------------------------
 
     def do(self, order: Callable[[LiveMachine], Any]) -> Any:
-        """Call a function with the machine between two steps, and return what it returns.
+        """Call a function with the machine between two steps, and return its result.
 
         Raises
         ------
@@ -264,7 +264,7 @@ class Runner:
             self.link.close()
 
     def _waited(self) -> None:
-        """Make the due steps one by one, with a frame of the link each, by the clock of Python."""
+        """Make due steps one by one in Python's time, each with a frame of the link."""
         self.pace.wait()
         count = self._count()
         if self.link is not None:
@@ -344,7 +344,7 @@ class Runner:
         self.pace.start()
 
     def _next(self) -> Path:
-        """Return the path of the next record: crane.h5, crane-2.h5 ..."""
+        """Return the path of the next record, such as crane.h5, then crane-2.h5."""
         first = self._records[0]
         number = len(self._records) + 1
         return first.with_name(f"{first.stem}-{number}{first.suffix}")

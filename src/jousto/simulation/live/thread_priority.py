@@ -10,7 +10,7 @@ ALL = 3  # MCL_CURRENT | MCL_FUTURE
 
 
 def hurry() -> str:
-    """Request real-time priority and locked memory for this thread; return what was refused.
+    """Request real-time priority and locked memory for this thread; return the refused requests.
 
     Returns
     -------

@@ -65,7 +65,7 @@ def large_modes(
 
 
 def _ratio(K: Any, M: Any) -> float:
-    """Return the largest stiffness over mass, (rad/s)^2."""
+    """Return the largest ratio of stiffness and mass, (rad/s)^2."""
     return float(np.max(np.abs(K.diagonal()) / np.maximum(M.diagonal(), 1e-300)))
 
 
@@ -87,7 +87,7 @@ def _spins(model: Model, engine: Engine) -> tuple[Any, Any, Any]:
 def _quadratic(
     K: Any, G: Any, M: Any, C: Any, count: int
 ) -> tuple[NDArray[np.complex128], NDArray[Any]]:
-    """Return the eigenvalues l nearest to 0 and x of ``(l^2 M + l G + K) x = 0``, ``C x = 0``.
+    """Return the eigenvalues l nearest to 0 and the x of ``(l^2 M + l G + K) x = 0``, ``C x = 0``.
 
     The method is shift-invert Arnoldi.
     """

@@ -37,7 +37,7 @@ class LinearModel:
     ----------
     A, B, C, D : arrays (n, n), (n, nu), (ny, n), (ny, nu)
         n = 2f + ns with the mobility f; x = [free positions, free velocities, ns states of forces
-        such as `PID`], as deviations from the state.
+        such as `PID`], all as deviations from the state.
     input_names, output_names, state_names : tuples of str
         Inputs by name; sensor components ``sensor.component``; ``y0..``, ``u0..`` and
         ``pid.integral``, ``pid.filtered``.
@@ -78,7 +78,7 @@ class MechanismModes:
     damping : (k,) array
         Damping ratios ``-Re(lambda) / |lambda|``; 0 where lambda is 0.
     eigenvalues : (k,) array
-        1/s, of each conjugate pair the one with positive imaginary part.
+        Eigenvalues, 1/s; from each conjugate pair the one with positive imaginary part.
     increments : (nv, k) array
         Mode shapes as increments of R (body frame), rotation (body frame) and p of every body.
     shapes : dict
@@ -89,7 +89,7 @@ class MechanismModes:
     state : State
         State of the linearisation.
     free : (k,) bool array
-        Whether a mode is a free motion, which nothing holds or drives: its eigenvalue is 0.
+        Whether a mode is a free motion, without restoring forces and drives; its eigenvalue is 0.
     """
 
     frequencies: Array
@@ -107,11 +107,11 @@ class MechanismModes:
 
     @property
     def grows(self) -> NDArray[np.bool_]:
-        """Whether each mode is unstable, (k,): it grows, with or without oscillation."""
+        """Whether each mode is unstable, (k,), that is, grows with or without oscillation."""
         return np.asarray(self.eigenvalues.real > GROWTH * np.abs(self.eigenvalues))
 
     def describe_mode(self, mode: int, digits: int = 6) -> str:
-        """Return the frequency of a mode as text, with the rate of one that grows or decays.
+        """Return the frequency of a mode as text, with the rate if the mode grows or decays.
 
         Parameters
         ----------
@@ -217,7 +217,7 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     lengths = (model.nrow, model.nrow, nv, model.nout, len(moving))
 
     def columns(which: int) -> list[Array]:
-        """Return derivatives by q, v, states or inputs (which = 0 .. 3), (rows, columns) each."""
+        """Return derivatives (rows, columns) by q, v, states or inputs (which = 0, 1, 2, 3)."""
         out = [np.zeros((length, sizes[which])) for length in lengths]
         for k in range(sizes[which]):
             along = [np.zeros(size) for size in sizes]
@@ -278,8 +278,8 @@ class Rest:
 
     The free motions ``dq = N y`` are orthonormal with respect to the mass, ``N^T M N = E``, and
     ``y'' = -K y`` about the state. Neither N nor K contains a division by an inertia, which would
-    lose digits where it is tiny, as about the axis of a slender body. `round_off` is the rounding
-    error of the eigenvalues of K, (rad/s)^2.
+    lose accuracy for tiny inertias, such as about the axis of a slender body. `round_off` is the
+    rounding error of the eigenvalues of K, (rad/s)^2.
     """
 
     N: Array
@@ -400,7 +400,7 @@ def linearise(
 
 
 def _known(kind: str, names: Sequence[str], wanted: Sequence[str] | None) -> list[str]:
-    """Return the wanted names, all names if None; raise an error for a name that does not exist."""
+    """Return the wanted names, or all names for None; raise an error for unknown names."""
     if wanted is None:
         return list(names)
     unknown = [name for name in wanted if name not in names]
@@ -433,11 +433,11 @@ def modes(
         forces with the position; frequencies of beams with an eccentric mass then have errors of
         many per cent.
     damped : bool
-        Whether damping and velocities are included. False treats a turning state as at rest, with
-        a warning.
+        Whether damping and velocities are included. With False a rotating state is treated as at
+        rest, with a warning.
     count : int, optional
-        Maximum number of modes, the lowest first. None computes all, or 20 of mechanisms with more
-        than 600 velocities and constraint rows, by sparse matrices.
+        Maximum number of modes, the lowest first. None computes all modes, or 20 by sparse matrices
+        for mechanisms with more than 600 velocities and constraint rows.
 
     Raises
     ------
@@ -495,7 +495,7 @@ def _warn_held(model: Model) -> None:
 
 
 def _warn_turning(model: Model, state: State, eigenvalues: Eigenvalues) -> None:
-    """Warn of turning bodies, whose gyroscopic and centrifugal terms modes at rest omit."""
+    """Warn of turning bodies, since modes at rest omit gyroscopic and centrifugal terms."""
     spins = [np.linalg.norm(state.v[b.iv + 3 : b.iv + 6]) for b in model.bodies]
     fastest = int(np.argmax(spins)) if spins else 0
     rates = np.abs(eigenvalues.imag)

@@ -128,9 +128,9 @@ class Sensed(Protocol):
 def pick(run: Sensed, name: Any, more: Iterable[str] = ()) -> tuple[str, list[int]]:
     """Return the sensor of a name and the indices of the components that the name selects.
 
-    ``middle`` selects all components of the sensor, ``middle.y`` and ``middle:y`` one component,
-    ``root:e1.a.top`` all components that begin with ``e1.a.top``, ``root.s11`` the component s11
-    of every point.
+    The name ``middle`` selects all components of the sensor, ``middle.y`` and ``middle:y`` one
+    component, ``root:e1.a.top`` all components that begin with ``e1.a.top``, ``root.s11`` the
+    component s11 of every point.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def selected_names(run: Sensed, names: Sequence[Any], sensors: Any) -> tuple[str
     Raises
     ------
     InputError
-        For unknown names and values that are no names.
+        For unknown names and values that are not names.
     """
     problems, found = Problems(), []
     for given in (*names, sensors):

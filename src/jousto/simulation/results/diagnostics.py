@@ -52,7 +52,7 @@ class Energy:
         """Scale of the error, J: the larger of `exchanged` and 0.1 % of the kinetic energy.
 
         The second bound is for a machine that turns steadily: it exchanges less energy than it
-        loses by rounding and by the tolerance of a solver.
+        loses by rounding and by the solver's tolerance.
         """
         return max(self.exchanged, STEADY * float(np.max(self.kinetic, initial=0.0)))
 

@@ -77,7 +77,7 @@ class Chronicle:
     Parameters
     ----------
     engine : Engine
-        Engine in the state with which counting begins.
+        Engine in the state at which counting begins.
     """
 
     def __init__(self, engine: Engine) -> None:
@@ -86,7 +86,7 @@ class Chronicle:
         self._counts[: len(engine.model.events)] = engine.happened
 
     def follow(self, engine: Engine) -> None:
-        """Read from now on the log of another engine in the same state."""
+        """Continue with the log of another engine in the same state."""
         self._engine = engine
 
     def read(self) -> NDArray[np.float64]:

@@ -257,7 +257,8 @@ class Keeper:
     Parameters
     ----------
     path : path or None
-        File for the results; None keeps up to 256 MB in memory and more in a temporary file.
+        File for the results; With None up to 256 MB are stored in memory, and more in a temporary
+        file.
     model : Model
         The model.
     rows : int

@@ -39,12 +39,12 @@ STATES = 256  # number of states read at a time
 class Solution(Mapping[str, Array]):
     """Results of a run: a mapping from the names of sensors to their values.
 
-    The results are in memory or in a file. Arrays of a file are read when they are used; a run
-    that is still going on or was killed is readable up to its last written piece. A pickle
-    contains the results, or their path if they are in a file of the user.
+    The results are in memory or in a file. Arrays of a file are read when they are used; the
+    results of a run that continues or was killed are readable up to the last written piece. A
+    pickle contains the results, or their path if they are in a file of the user.
 
     ``run[name]`` are the values of a sensor (nt, k), ``run["hinge.Fx"]`` those of one component
-    (nt,); ``keys``, ``values``, ``items``, ``get``, ``len`` and ``in`` are those of every mapping.
+    (nt,); ``keys``, ``values``, ``items``, ``get``, ``len`` and ``in`` work as for every mapping.
 
     Parameters
     ----------
@@ -273,7 +273,7 @@ class Solution(Mapping[str, Array]):
 
     @property
     def model(self) -> Model | None:
-        """Compiled model of results in memory; None for those of a file or another process."""
+        """Compiled model, for results in memory; None for results of a file or another process."""
         found: Model | None = getattr(self._records, "model", None)
         if found is None:
             return None
@@ -283,9 +283,9 @@ class Solution(Mapping[str, Array]):
 
     @property
     def inputs(self) -> dict[str, Array]:
-        """Values (nt,) of the external inputs, each of the interval that ends at the instant.
+        """Values (nt,) of the external inputs, each for the interval that ends at the instant.
 
-        The first value is that of the interval that begins at the first instant.
+        The first value is that for the interval that begins at the first instant.
         """
         names = self._records.inputs()
         columns = self._records.read("state/input").T if names else ()
@@ -433,7 +433,7 @@ class Solution(Mapping[str, Array]):
         return self._records.bodies()
 
     def body(self, name: str) -> BodyShape | None:
-        """Return the body of a name without reading the others; None if there is no such body."""
+        """Return the body with a name, without reading other bodies; None if there is none."""
         return self._records.body(name)
 
     @property
@@ -455,7 +455,7 @@ class Solution(Mapping[str, Array]):
         beam : str
             Name of the beam.
         rows : slice
-            Which instants; all of them if not given.
+            Range of instants; all if not given.
 
         Raises
         ------
@@ -483,9 +483,9 @@ class Solution(Mapping[str, Array]):
         Parameters
         ----------
         rows : slice
-            Which instants; all of them if not given.
+            Range of instants; all if not given.
         velocities : bool
-            Whether v is wanted; None instead if not.
+            Whether v is returned; if not, None is returned in its place.
         """
         q = self._records.read("state/q", rows)
         return q, self._records.read("state/v", rows) if velocities else None
@@ -497,7 +497,7 @@ class Solution(Mapping[str, Array]):
 
     @explained
     def stress_modes(self, body: str) -> StressModes | None:
-        """Return the stress of each mode of a body; None if the results have no stress of it.
+        """Return the stress of each mode of a body; None if the results contain none of it.
 
         Parameters
         ----------
@@ -535,7 +535,7 @@ class Solution(Mapping[str, Array]):
         body : str
             Name of the body.
         rows : slice
-            Which instants; all of them if not given.
+            Range of instants; all if not given.
 
         Raises
         ------
@@ -546,13 +546,13 @@ class Solution(Mapping[str, Array]):
         return self._records.read("state/q", rows, slice(first, first + 7 + modes))
 
     def rates(self, body: str, rows: slice = slice(None)) -> Array:
-        """Return the velocities ``[R' w_local p']`` of one body, (nt, 6 + n), see `coordinates`."""
+        """Return the velocities ``[R' w_local p']`` of one body, (nt, 6 + n); see `coordinates`."""
         _, first, modes = self._place(body)
         return self._records.read("state/v", rows, slice(first, first + 6 + modes))
 
 
 def _unpacked(content: bytes) -> Solution:
-    """Return the results in the bytes of a results file from another process."""
+    """Return the results that another process sent as the bytes of a results file."""
     folder = Path(tempfile.mkdtemp(prefix="jousto-"))
     try:
         (folder / "run.h5").write_bytes(content)

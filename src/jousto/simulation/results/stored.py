@@ -37,7 +37,7 @@ from jousto.simulation.state import MEMORY
 class FileRecords:
     """Results in a file.
 
-    A run that is still going on or was killed is readable up to its last written piece.
+    The results of a run that continues or was killed are readable up to the last written piece.
 
     Parameters
     ----------

@@ -169,8 +169,8 @@ def open_results(path: Path) -> Iterator[Group]:
 def examine(path: Path) -> Sealed | None:
     """Check a results file before its first use; return its checksums, None if it has none.
 
-    Valid checksums prove that the file is unchanged. Of a file without checksums (its run was
-    killed early, or another program changed it) all fields, types and shapes are checked.
+    Valid checksums prove that the file is unchanged. If a file has no checksums (its run was killed
+    early, or another program changed it), all fields, types and shapes are checked.
 
     Raises
     ------

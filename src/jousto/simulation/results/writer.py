@@ -92,7 +92,7 @@ class ResultsWriter:
         self._laid = image if image.held <= KEPT_BYTES else None
 
     def _sealed(self, file: BinaryIO, seal: Seal, image: SparseImage, *, closed: bool) -> None:
-        """Write the checksums of the layout; of a closed file also those of counts and events."""
+        """Write the checksums of the layout; for a closed file also those of counts and events."""
         pieces = [(at, len(piece), zlib.crc32(piece)) for at, piece in image.pieces()]
         if closed:
             counts = [(self._counter, np.array(self.written, "<i8"))]
@@ -159,7 +159,7 @@ class ResultsWriter:
             self._take_place(self._beside)
 
     def _take_place(self, beside: Path) -> None:
-        """Move the file to its path, over an existing file; closed meanwhile, for Windows."""
+        """Move the file to its path, over an existing file; for Windows it is closed meanwhile."""
         with uninterrupted():
             self._file.close()
             take_place(beside, self._final)
@@ -185,11 +185,11 @@ class ResultsWriter:
 
     @property
     def placed(self) -> bool:
-        """Whether the file is at its path, which is so from the first row on."""
+        """Whether the file is at its path, where it is from the first row on."""
         return self._beside is None
 
     def discard(self) -> None:
-        """Remove the file; an existing file at the path stays if no rows were written."""
+        """Remove the file; an existing file at the path remains if no rows were written."""
         self._file.close()
         (self._beside or self._final).unlink(missing_ok=True)
 
@@ -306,7 +306,7 @@ class _Laid:
     event_places: list[Place]
 
     def fits(self, rows: int, attributes: dict[str, Any], text: str) -> bool:
-        """Return whether a run has the same layout apart from the values of its attributes."""
+        """Return whether a run has the same layout, except for the values of its attributes."""
         return (rows, text, *_kinds(attributes)) == (self.rows, self.text, *_kinds(self.attributes))
 
 
@@ -360,7 +360,7 @@ def _describe(
     attributes: dict[str, Any],
     text: str,
 ) -> list[Place]:
-    """Create all groups, datasets and attributes; return the datasets of rows, `rows` first."""
+    """Create all groups, datasets and attributes; return the datasets of rows, first `rows`."""
     file.attrs["format"] = FORMAT
     file.attrs["format_version"] = FORMAT_VERSION
     file.attrs["complete"] = int(complete)

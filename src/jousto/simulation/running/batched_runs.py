@@ -20,8 +20,8 @@ def run_in_lanes(runs: Sequence[Run]) -> list[Solution | None]:
     """Return the results of runs computed in vector lanes; None for each run left to the caller.
 
     Machines of equal structure with the same method, step and end share the lanes of a vector.
-    Their results equal those of `Repeated.run` to round-off. Runs that fail, and runs too few of
-    which have the same structure, are left to the caller.
+    Their results equal those of `Repeated.run` to round-off. Runs that fail, and groups of too few
+    runs of the same structure, are left to the caller.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def run_in_lanes(runs: Sequence[Run]) -> list[Solution | None]:
 
 
 def _side_by_side(runs: Sequence[Run]) -> list[Solution | None]:
-    """Return results of runs, one per lane; spare lanes repeat the last run."""
+    """Return the results of runs, one run per lane; spare lanes repeat the last run."""
     started = [repeated.begin(inputs) for repeated, inputs in runs]
     engines = [engine for engine, _, _ in started]
     lanes = Ensemble([*engines, *engines[-1:] * (machines() - len(engines))])

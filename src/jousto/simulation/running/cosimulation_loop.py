@@ -61,7 +61,7 @@ class Coupled:
         return "ok"
 
     def _twice(self) -> str:
-        """Make one exchange step, then repeat it as two halves, whose result is kept.
+        """Make one exchange step, then repeat it as two half steps, whose results are used.
 
         The difference of both is the error estimate of the exchange step.
         """
@@ -117,7 +117,7 @@ class Coupled:
         return "ok"
 
     def _kept(self, filled: int) -> Array:
-        """Return those of the first `filled` rows that belong to the results."""
+        """Return the rows among the first `filled` ones that belong to the results."""
         every, last = self.plan.every, self.engine.steps_done
         numbers = np.arange(last - filled + 1, last + 1)
         return np.asarray(self._rows[:filled][numbers % every == 0])

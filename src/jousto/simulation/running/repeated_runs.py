@@ -36,8 +36,8 @@ class Repeated:
     """Repeated runs of one model with different values of its external inputs.
 
     The results equal those of `simulate` to the last bit. A run with a fixed step is one call of
-    the engine. Runs with an adaptive step, runs that an event ends, and runs that fail are computed
-    by `simulate`.
+    the engine. Runs with an adaptive step, runs that end at an event, and runs that fail are
+    computed by `simulate`.
 
     Parameters
     ----------
@@ -110,8 +110,8 @@ class Repeated:
         Raises
         ------
         NotAnalytic
-            If the run switches (adaptive steps, friction, yielding, events), calls a function of
-            Python, does not fit into memory or does not reach its end.
+            If the run contains switching (adaptive steps, friction, yielding, events) or Python
+            functions, does not fit into memory, or does not reach its end.
         """
         model = self._plain_model
         if self._solver.adaptive:
@@ -150,7 +150,7 @@ class Repeated:
 
     @cached_property
     def alike(self) -> Hashable:
-        """Key that is equal for runs which can share vector lanes; None if this run cannot."""
+        """Key that is equal for runs that can share vector lanes; None if this run cannot."""
         kind = ""
         if self._plain and not self._stepped and self._solver.lanes:
             kind = structure(self.model)
@@ -166,7 +166,7 @@ class Repeated:
     def finish(
         self, started: Started, rows: Any, wall: float, chronicle: Chronicle
     ) -> Solution | None:
-        """Return the results of a completed run; None if redundant joints contradict one another.
+        """Return the results of a completed run; None if redundant joints contradict each other.
 
         Parameters
         ----------

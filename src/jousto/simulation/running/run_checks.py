@@ -72,7 +72,7 @@ class RunWatch:
                 raise Contradiction(self._gaping(rows[int(np.argmax(gaps > limit))]))
 
     def _small(self, level: float, potential: float) -> float:
-        """Return the energy, J, that is negligible beside energies of this size."""
+        """Return the energy, J, that is negligible compared with energies of this size."""
         size = self._model.size
         mass = sum(float(b.mass[0]) for b in self._model.bodies)
         weight = mass * float(np.abs(self._model.gravity).max())
@@ -81,7 +81,7 @@ class RunWatch:
         return max(1e-6 * level, 1e-12 * potential, 1e-12 * weight * size, still)
 
     def _gaping(self, row: NDArray[np.float64]) -> str:
-        """Return a sentence with the joint of the largest gap at an instant and the cause."""
+        """Return a sentence with the joint of the largest gap at an instant, and with the cause."""
         return disagreement(self._model, row[1 : 1 + self._model.nq], float(row[0]))
 
     @property

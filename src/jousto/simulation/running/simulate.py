@@ -74,7 +74,7 @@ class RunFailed(SimulationError):
 
 @dataclass(frozen=True)
 class Ending:
-    """Early end of a run: its cause as a sentence, the body concerned, whether it is a failure."""
+    """Early end of a run: cause as a sentence, body concerned, and whether it is a failure."""
 
     sentence: str
     body: str = ""
@@ -130,7 +130,7 @@ def simulate(
         External inputs by name. A Signal is evaluated exactly, as a signal of the model is; a
         number is constant; a function of time, s, is evaluated at the start of every step and its
         value is constant during the step; an array has one constant value for each interval
-        between outputs. Inputs that are not named keep their value.
+        between outputs. Inputs that are not given keep their values.
 
     Returns
     -------
@@ -207,7 +207,7 @@ def _warn_at_rest(model: Model) -> None:
 
 
 def _tell_of_ringing(model: Model) -> None:
-    """Log how to avoid the vibration of moving elastic bodies that start undeformed."""
+    """Log how to avoid the vibration of moving elastic bodies that are undeformed at the start."""
     elastic = [b for b in model.bodies if b.n]
     straight = not any(model.q0[b.iq + 7 : b.iq + 7 + b.n].any() for b in elastic)
     if elastic and straight and model.v0.any():
@@ -237,7 +237,7 @@ def _start(engine: Engine, state: State, plan: Schedule) -> None:
 
 
 def _jolts(engine: Engine, rate: float, plan: Schedule) -> bool:
-    """Return whether a velocity residual, m/s, is noticeable beside the speeds of the run.
+    """Return whether a velocity residual, m/s, is significant compared with the speeds of the run.
 
     The speeds are those of the bodies at the start and of the drives at INSTANTS of the run.
     """

@@ -126,7 +126,7 @@ class Simulator:
         return float(self._engine.time[0])
 
     def set(self, name: str, value: float) -> None:
-        """Set an external input to a value that stays until the next `set` of this input.
+        """Set an external input to a value that remains until the next `set` of this input.
 
         Raises
         ------

@@ -25,7 +25,7 @@ def initial_state(
     Raises
     ------
     InputError
-        If there is no such state, or an FMU of the machine makes it unknown.
+        If there is no such state, or it cannot be found because the machine contains an FMU.
     NotAnalytic
         If the model has derivatives and the state is found by iterations.
     """

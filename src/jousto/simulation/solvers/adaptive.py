@@ -76,12 +76,12 @@ class DormandPrince(Solver, tag="DormandPrince"):
 
     @property
     def projection(self) -> bool:
-        """Positions and velocities are projected onto the constraints after every step."""
+        """Whether positions and velocities are projected after every step; always true."""
         return True
 
     @property
     def baumgarte(self) -> None:
-        """No Baumgarte stabilisation; the projection closes the constraints."""
+        """Baumgarte stabilisation; always None, since the projection closes the constraints."""
 
     @property
     def step(self) -> float:
@@ -132,7 +132,7 @@ def follow(
 
 
 def too_many_steps(engine: Engine, start: float, output: float) -> tuple[str, str]:
-    """Return why the error control fails, and the body concerned, for rows from `start`."""
+    """Return why the error control fails for rows from `start`, and the body concerned."""
     body = engine.model.bodies[engine.error_index].name
     time = float(engine.time[0].real)
     mean = (time - start - (engine.steps_done - 1) * output) / DormandPrince.most

@@ -19,7 +19,7 @@ ROOM = "jousto.simulation.solvers"
 
 
 class _OfTableau:
-    """Descriptor of a number of a method's tableau, read at the first use on a class or object."""
+    """Descriptor of a value of a method's tableau, read when it is first used."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -48,7 +48,7 @@ class Solver(Declared, section="solvers", by_value=True):
 
         @property
         def step(self) -> Any:
-            """Step size, s; of an adaptive method the time between outputs."""
+            """Step size, s; for an adaptive method the time between outputs."""
 
         @property
         def projection(self) -> Any:
@@ -72,7 +72,7 @@ class Solver(Declared, section="solvers", by_value=True):
         return {}
 
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
-        """Return which linear oscillations ``y' = lambda y`` grow at this step."""
+        """Return a mask of the linear oscillations ``y' = lambda y`` that grow at this step."""
         return np.zeros(len(eigenvalues), dtype=bool)
 
     def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
@@ -103,7 +103,7 @@ def prepared(engine: Engine, solver: Solver, step: float) -> Any:
 class Baumgarte(Declared, by_value=True):
     """Constraint stabilisation ``C'' + 2 alpha C' + beta^2 C = 0``.
 
-    ``alpha = beta`` is critically damped. A good size is 1 / (10 step).
+    ``alpha = beta`` is critically damped. A suitable value is 1 / (10 step).
     """
 
     alpha: Number = field(

@@ -33,18 +33,18 @@ def choose(
 ) -> tuple[Solver, str]:
     """Return a method for a model and the reason for it.
 
-    The default is `ROS2` with a step of 1 ms, the cheapest method. Its step is shorter for steep
-    regularised friction or damper tables (10 us or more), and for impacts on stops and for springs
-    and bushings whose motions would grow by more than a tenth in the run (0.1 ms or more). For
-    exact beams, and for springs and bushings that are faster, the choice is `GeneralizedAlpha` with
-    a step of 1 ms and reused factors. No step exceeds the back-calculation time of a controller,
+    The default is `ROS2` with a step of 1 ms, the cheapest method. Its step is shorter (at least 10
+    us) for steep regularised friction or damper tables, and (at least 0.1 ms) for impacts on stops
+    and for springs and bushings whose motions would grow by more than a tenth in the run. For exact
+    beams, and for springs and bushings that are faster, the choice is `GeneralizedAlpha` with a
+    step of 1 ms and reused factors. No step exceeds the back-calculation time of a controller,
     unless that is below 10 us.
 
     Parameters
     ----------
     model : Model
     t_end, output_step, start : float
-        End, time between outputs (None: every step) and begin of the run, s.
+        End of the run, time between outputs (None for every step) and start of the run, s.
     """
     chosen, reason = _without_tracking(model, t_end, output_step, start)
     time, name = fastest_tracking(model)
@@ -104,12 +104,12 @@ def _has(force: ForceModel, cause: str) -> bool:
 
 
 def choose_fixed(model: Model) -> Solver:
-    """Return the fixed-step method of an exported program: that of a run of `UNBOUNDED` seconds."""
+    """Return the method with a fixed step for an exported program, as for `UNBOUNDED` seconds."""
     return choose(model, UNBOUNDED, None)[0]
 
 
 def choose_adaptive(solver: Solver | None) -> Any:
-    """Return an adaptive method: the given one if it controls its error, else the default one."""
+    """Return the given method if it is adaptive, else the default adaptive method."""
     return solver if solver is not None and solver.adaptive else DormandPrince()
 
 

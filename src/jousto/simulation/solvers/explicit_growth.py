@@ -24,7 +24,7 @@ def excess(model: Model, solver: Solver, step: float) -> float:
     """Return the growth rate, 1/s, that the method adds to small motions about the start.
 
     The rate is that of the largest eigenvalue of the map of one step, by central differences, minus
-    that of the trapezoidal rule, in which only physically unstable motions grow. Python force
+    that of the trapezoidal rule, for which only physically unstable motions grow. Python force
     functions are left out. The rate is 0 for machines without springs and bushings, and for those
     with more than 300 states, which are not examined.
     """
@@ -40,7 +40,7 @@ def excess(model: Model, solver: Solver, step: float) -> float:
 
 
 def _without_functions(model: Model) -> Model:
-    """Return a model without Python force functions, which only the run may call."""
+    """Return a model without Python force functions, which must be called in the run only."""
     forces = (
         replace(force, function=_nothing) if force.kind == "user" else force
         for force in model.forces

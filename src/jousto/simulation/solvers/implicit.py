@@ -61,7 +61,7 @@ class Newton(Solver):
 
     @property
     def baumgarte(self) -> None:
-        """No Baumgarte stabilisation; the constraints are solved in every step."""
+        """Baumgarte stabilisation; always None, since constraints are solved in every step."""
 
     @property
     def coefficients(self) -> tuple[float, float, float, float]:
@@ -81,7 +81,7 @@ class Newton(Solver):
         }
 
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
-        """Return which linear oscillations grow at this step; none with generalised alpha."""
+        """Return a mask of oscillations that grow at this step; none with generalised alpha."""
         alpha_m, alpha_f, beta, gamma = self.coefficients
         if (alpha_m, alpha_f) != (0.0, 0.0) or 2.0 * beta >= gamma:
             return np.zeros(len(eigenvalues), dtype=bool)
@@ -169,10 +169,10 @@ class Newmark(Newton, tag="Newmark"):
 
 
 def spectral_radius(solver: Newton, z: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Return the growth factor per step of an oscillator, z = step * lambda.
+    """Return the growth factor per step of an oscillator, with z = step * lambda.
 
-    ``s'' = -2 d w s' - w^2 s`` with ``lambda = w (-d +- i sqrt(1 - d^2))``: the largest magnitude
-    of an eigenvalue of the matrix that takes (s, h s', h^2 a) over a step.
+    ``s'' = -2 d w s' - w^2 s`` with ``lambda = w (-d +- i sqrt(1 - d^2))``: the result is the
+    largest magnitude of an eigenvalue of the matrix that advances (s, h s', h^2 a) by a step.
     """
     alpha_m, alpha_f, beta, gamma = solver.coefficients
     z = np.atleast_1d(np.asarray(z, dtype=np.complex128))

@@ -30,9 +30,9 @@ class ROS3A(Rosenbrock, tag="ROS3A"):
     """Linearly implicit W-method of order 3, stiffly accurate and L-stable.
 
     A step takes four evaluations and no iteration. The stages are those of the method of Alexander
-    (SIAM J. Numer. Anal. 14, 1977) with gamma = 0.43587; all rows of the implicit coefficients but
-    the first sum up to 0. Therefore the method keeps its order for any approximation of the
-    Jacobian (W-method), and also with a mass matrix that is updated in each stage. The latter
+    (SIAM J. Numer. Anal. 14, 1977) with gamma = 0.43587; all rows of the implicit coefficients
+    except the first have the sum 0. Therefore the method keeps its order for any approximation of
+    the Jacobian (W-method), and also with a mass matrix that is updated in each stage. The latter
     requires ``sum b_i c_i g_i = 0`` in addition to the conditions of order 3; ROS34PW2 of Rang and
     Angermann (BIT 45, 2005) does not satisfy it. Explicit terms have the stability region of `RK4`.
     """

@@ -11,18 +11,18 @@ from jousto.simulation.solvers.base import Staged
 
 
 class RungeKutta(Staged):
-    """Base of explicit methods: stable if `explicit_growth` of ``step * lambda`` is at most 1."""
+    """Base of explicit methods, which are stable if `explicit_growth` is at most 1."""
 
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
-        """Return which eigenvalues have an explicit growth above 1, z = step * eigenvalue."""
+        """Return a mask of eigenvalues with an explicit growth above 1, z = step * eigenvalue."""
         return np.asarray(self.explicit_growth(step * eigenvalues) > 1.0 + 1e-12)
 
 
 class RK4(RungeKutta, tag="RK4"):
     """Classical Runge-Kutta of order 4 (Rantalainen 2007, chapter 4).
 
-    A step takes four evaluations. Stable only while ``step * omega`` stays below 2.83 for the
-    highest modal frequency omega.
+    A step takes four evaluations. The method is stable only while ``step * omega`` stays below 2.83
+    for the highest modal frequency omega.
 
     Examples
     --------
@@ -36,9 +36,9 @@ class RK4(RungeKutta, tag="RK4"):
 class SSPRK3(RungeKutta, tag="SSPRK3"):
     """Strong stability preserving Runge-Kutta method of order 3.
 
-    Shu and Osher (J. Comput. Phys. 77, 1988), eq. 2.18: averages of steps of Euler's method. A step
-    takes three evaluations. Stable only while ``step * omega`` stays below 1.73 for the highest
-    modal frequency omega.
+    Shu and Osher (J. Comput. Phys. 77, 1988), eq. 2.18: the stages are averages of Euler steps. A
+    step takes three evaluations. The method is stable only while ``step * omega`` stays below 1.73
+    for the highest modal frequency omega.
     """
 
     method: ClassVar[str] = "ssprk3"

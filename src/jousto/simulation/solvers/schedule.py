@@ -58,7 +58,7 @@ def schedule(
     Raises
     ------
     InputError
-        If the model, the solver or the times make no sense.
+        If the model, the solver or the times are invalid.
     """
     problems = Problems()
     where = "simulate"
@@ -122,7 +122,7 @@ def _span(length: float, start: float) -> str:
 
 
 def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
-    """Return warnings about a run that are known before it starts."""
+    """Return the warnings about a run that can be determined before it starts."""
     found = []
     sentence = stability_warning(model, solver, plan.step)
     if sentence:

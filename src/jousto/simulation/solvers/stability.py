@@ -175,8 +175,8 @@ def friction_warning(model: Model, solver: Solver, step: float) -> str:
 def damper_warning(model: Model, solver: Solver, step: float) -> str:
     """Return a warning if the step is too large for the steepest part of a damper table.
 
-    There the table is a damper with its slope as coefficient, and the rates of ``da/dv`` at the
-    initial position. If the step is too large for these rates, the velocity oscillates.
+    There the table acts as a damper whose coefficient is the slope, with the rates of ``da/dv`` at
+    the initial position. If the step is too large for these rates, the velocity oscillates.
     """
     places = [i for i, force in enumerate(model.forces) if force.damper >= 0]
     if not places or 2 * model.nv > DENSE:
@@ -216,7 +216,7 @@ def braking(one: Model, other: Model) -> Eigenvalues:
     Parameters
     ----------
     one, other : Model
-        Of the same bodies.
+        Models with the same bodies.
     """
     slopes = []
     for model in (one, other):
@@ -231,7 +231,7 @@ def braking(one: Model, other: Model) -> Eigenvalues:
 
 
 def _longest(solver: Solver, step: float, rates: Eigenvalues) -> float:
-    """Return the largest step up to `step` at which no motion with these rates grows."""
+    """Return the largest step up to `step` for which no motion with these rates grows."""
     while (solver.explicit_growth(step * rates) > 1.0 + 1e-9).any():
         step *= 0.9
     return step

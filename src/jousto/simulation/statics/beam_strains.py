@@ -17,8 +17,8 @@ def beam_strains(model: Model, q: Any) -> Any:
     """Return strains ``[Q_m^T (r_b - r_a)/L - e1, phi/L]`` (elements, 6) of all beam elements.
 
     ``Q_a^T Q_b = exp(phi)``, ``Q_m = Q_a exp(phi/2)`` is the frame at mid-length, in which the
-    strains are resolved. Of helical elements the part of Gamma across phi is multiplied by
-    ``h / sin h``, ``h = |phi|/2``. Initial strains of the unstressed shape are not subtracted.
+    strains are resolved. For helical elements the part of Gamma perpendicular to phi is multiplied
+    by ``h / sin h``, ``h = |phi|/2``. Initial strains of the unstressed shape are not subtracted.
     Units m/m, rad/m.
     """
     frames = [turned(q[b.iq + 3 : b.iq + 7]) for b in model.bodies]

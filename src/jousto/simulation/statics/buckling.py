@@ -94,10 +94,10 @@ def buckling(
 
     ``method="linear"`` solves ``(A0 + (s - start) A') x = 0`` with the tangent matrix A0 of the
     equilibrium at `start` and its derivative A' by the load; it is accurate if displacements stay
-    small up to the critical load. A' is exact, except for exact beams: there it contains the
-    linear stress in the undeformed shape alone, as in classical theory, because terms of first
-    order in bending are wrong without those of second order. ``method="path"`` follows the path
-    and finds the points of singular tangent stiffness on it, limit points included.
+    small up to the critical load. A' is exact, except for exact beams: there it contains the linear
+    stress in the undeformed shape alone, as in classical theory, because first-order terms in
+    bending are wrong without the second-order terms. ``method="path"`` follows the path and finds
+    the points of singular tangent stiffness on it, limit points included.
 
     Under follower loads A' is not symmetric and s may be complex. A pair with an imaginary part
     below a hundredth of its modulus counts as two loads at its real part, because element errors
@@ -242,7 +242,7 @@ class _Pencil:
     def near(self, about: float, count: int) -> tuple[Any, Any]:
         """Return the loads s (k,) nearest to a value and their x (n, k); inf for no load.
 
-        Of small systems all loads are returned.
+        For small systems all loads are returned.
         """
         n = self.A.shape[0]
         lu = spl.splu((self.A + about * self.slope).tocsc())
@@ -259,7 +259,7 @@ class _Pencil:
         return np.where(finite, about + 1.0 / np.where(finite, values, 1.0), np.inf), vectors
 
     def knows(self, s: complex) -> bool:
-        """Return whether s is an eigenvalue with an error by round-off below `NEARLY`.
+        """Return whether s is an eigenvalue whose error by round-off is below `NEARLY`.
 
         Inverse iteration at s gives the load ``-y A x / y A' x`` and its condition number
         ``|y| (|A| + |s A'|) |x| / |s y A' x|``, which does not depend on units (Higham and Higham,
@@ -296,7 +296,7 @@ def _factor(matrix: Callable[[int], Any]) -> Any:
 
 
 def _gap(loads: Any) -> float:
-    """Return a shift above the loads that are tiny beside the others; 0 if there are none.
+    """Return a shift above the loads that are tiny compared with the others; 0 without such loads.
 
     Motions on very soft springs have loads so small that an eigensolver with a shift at 0 finds
     no others.
@@ -338,7 +338,7 @@ def _sorted(
 def _rate(balance: Balance, at: Point, step: Array) -> Any:
     """Return the derivative A' of the tangent matrix along the linear solution.
 
-    Beams keep their shape and have the linear stress, ``e0 -> e0 - s e'``: the stiffness of
+    Beams retain their shape and have the linear stress, ``e0 -> e0 - s e'``: the stiffness of
     initial displacements, EA times a rotation, is left out because it is wrong without the terms
     of second order.
     """

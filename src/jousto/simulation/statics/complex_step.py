@@ -27,7 +27,7 @@ RANK = 1e-10
 
 
 def rest(model: Model) -> State:
-    """Return the static equilibrium with derivatives, ``[K, Cq^T; Cq, 0] [dq; dlam] = -[r; C]``.
+    """Return the static equilibrium with derivatives: ``[K, Cq^T; Cq, 0] [dq; dlam] = -[r; C]``.
 
     r and C are the residuals of the equations of rest and of the joints, with the complex
     constants, at the equilibrium of their real parts.

@@ -62,7 +62,7 @@ T = TypeVar("T")
 
 
 def _raise_no_convergence(solve: Callable[..., T]) -> Callable[..., T]:
-    """Decorate `solve` so that errors of the engine at a trial position are NoConvergenceError."""
+    """Decorate `solve`: errors of the engine at a trial position become NoConvergenceError."""
 
     @wraps(solve)
     def tried(*values: Any, **options: Any) -> T:
@@ -90,7 +90,7 @@ def factor(balance: Balance, point: Point) -> Any:
 
 
 def least_step(balance: Balance, point: Point) -> tuple[Array, Array]:
-    """Return Newton's step split into its parts across and along neutral directions, (size,) each.
+    """Return Newton's step, split into parts across and along neutral directions, (size,) each.
 
     A neutral direction, such as the spin of a rope about its own axis, has no stiffness and no
     force. With ``P = (K + s D)^-1`` under the constraints, D the metric of `Balance.metric` and s
@@ -122,13 +122,13 @@ def least_step(balance: Balance, point: Point) -> tuple[Array, Array]:
 
 
 def least_stiffness(A: Any, metric: Array) -> float:
-    """Return the least stiffness above round-off: that of the diagonal over the metric, 1/s2."""
+    """Return the least stiffness above round-off, as diagonal over metric, 1/s2."""
     nv = len(metric)
     return max(NEUTRAL * float((abs(A[:nv, :nv].diagonal()) / metric).max()), 1e-100)
 
 
 def at_load(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
-    """Return the equilibrium at a value of the parameter, from a point nearby.
+    """Return the equilibrium at a value of the parameter, starting from a nearby point.
 
     Raises
     ------
@@ -163,7 +163,7 @@ def _at_load(balance: Balance, point: Point, value: float, iterations: int) -> P
 
 @_raise_no_convergence
 def at_least(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
-    """Return a nearby equilibrium, by Newton's steps without their neutral part.
+    """Return a nearby equilibrium, by Newton steps without their neutral part.
 
     Raises
     ------
@@ -231,7 +231,7 @@ def at_arc_length(
 
 @_raise_no_convergence
 def tangent(balance: Balance, point: Point, weight: float, last: Rates | None) -> Rates:
-    """Return the unit tangent of the path, in the sense of the last one.
+    """Return the unit tangent of the path in the direction of the last tangent.
 
     Raises
     ------

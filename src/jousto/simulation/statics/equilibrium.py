@@ -33,13 +33,13 @@ FREE = 1e-12  # omega^2 over the largest one, below which a direction has no sti
 def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 1e-10) -> State:
     """Return a static equilibrium of a mechanism near a state.
 
-    Implicit steps of an overdamped motion reduce the potential energy; Newton's method follows
-    near the minimum. So the equilibrium is stable: a hanging pendulum, not an upright one (a start
-    exactly in an unstable equilibrium stays in it). The matrix is the sparse one of the engine, and
-    a step costs about as much as a step of an implicit method. If this fails, small mechanisms
-    take steps ``sum_i x_i c_i / |omega_i^2|`` over the modes x_i of the exact stiffness, with the
-    forces expanded as ``sum_i c_i M x_i``, bounded in rotation and translation; after each step the
-    joints are closed.
+    Implicit steps of an overdamped motion reduce the potential energy; Newton's method follows near
+    the minimum. The equilibrium is therefore stable, such as that of a hanging pendulum, not of an
+    upright one (a start exactly at an unstable equilibrium remains there). The matrix is the sparse
+    one of the engine, and a step costs about as much as a step of an implicit method. If this
+    fails, small mechanisms take steps ``sum_i x_i c_i / |omega_i^2|`` over the modes x_i of the
+    exact stiffness, with the forces expanded as ``sum_i c_i M x_i``, bounded in rotation and
+    translation; after each step the joints are closed.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
 
 
 def _yielded(engine: Engine, found: State) -> State:
-    """Return the state with what has yielded on the way to it."""
+    """Return the state with the plastic deformation that occurred on the way to it."""
     if not engine.model.nstate:
         return found
     engine.q[:], engine.v[:] = found.q, found.v
