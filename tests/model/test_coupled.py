@@ -233,3 +233,24 @@ def test_the_sparse_matrix_of_a_long_beam_grows_with_it():
     model = cable(400, clamped=True)
     matrix = jo.model.Engine(model).newton_sparse(1.0, 1e-3, 1e-6)
     assert matrix.nnz < 401 * 6 * 6 * 5
+
+
+def test_block_lu_and_schur_complement_agree_in_space():
+    """Both axes of each row of a hinge turn: ``2 f' . h'`` is a part of its acceleration."""
+    sizes = {"inertia": (0.2, 0.3, 0.4), "center": (0.3, 0.1, 0.0)}
+    one, two = (jo.RigidBody(f"b{i}", 1.0 + i, position=(i, 0, 0), **sizes) for i in range(2))
+    pins = [
+        jo.Spherical("ball", jo.ground["origin"], one["origin"]),
+        jo.Revolute("pin", one.at((1, 0, 0)), two["origin"], axis=(1, 0, 0)),
+    ]
+    model = jo.compile(jo.Mechanism(one, two, *pins, jo.Gravity((0, 0, -9.81))), core="maximal")
+    found = []
+    for beams in ((), (beam_model("e", 0, 1, share=1e-30, m=1e-3, L=1.0),)):
+        engine = jo.model.Engine(replace(model, beams=beams))
+        engine.v[:] = np.random.default_rng(3).normal(size=model.nv)
+        engine.assemble()
+        a, lam = engine.accelerations()
+        found.append((np.array(a), np.array(lam)))
+    (a, lam), (b, mu) = found
+    np.testing.assert_allclose(b, a, rtol=0, atol=1e-9 * np.abs(a).max())
+    np.testing.assert_allclose(mu, lam, rtol=0, atol=1e-7 * np.abs(lam).max())

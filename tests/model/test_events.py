@@ -240,3 +240,18 @@ def test_a_full_log_ends_a_call_early_and_loses_nothing():
         times.extend(engine.happenings()[:, 0])
     np.testing.assert_allclose(times, 0.01 * np.arange(1, len(times) + 1), atol=1e-11)
     assert len(times) in (399, 400)
+
+
+@pytest.mark.parametrize("core", ["joint", "maximal"])
+def test_each_trial_of_an_event_starts_from_the_start_of_its_step(core):
+    """x = x0 cos(w t) is at x0 / 2 at t = acos(1/2) / w; the force depends on the position."""
+    w = 10.0
+    block = jo.RigidBody("block", 2.0, (1.0,) * 3, position=(0.3, 0, 0))
+    slide = jo.Prismatic("slide", jo.ground["origin"], block["origin"], axis=(1, 0, 0))
+    spring = jo.Spring("spring", slide.displacement, stiffness=2.0 * w**2, free=0.0)
+    x = jo.PositionSensor("x", block["origin"])
+    half = jo.mechanism.Event("half", x, 0.15, "falling", component="x")
+    model = jo.compile(jo.Mechanism(block, slide, spring, x, half), core=core)
+    _, _, happened, _ = run(model, 0.2, step=1e-3)
+    # the error of RK4: (w h)^4 / 120 w t of the phase
+    assert happened[0, 0] == pytest.approx(np.arccos(0.5) / w, abs=2e-11)

@@ -541,3 +541,22 @@ def test_any_number_of_frictions_agree_with_the_reactions_of_all(law, count, fle
     # friction is found to 1e-12 of the largest one, the masses and levers are of size 1
     assert np.abs(engine.residual()).max() < 1e-9 * scale
     np.testing.assert_allclose(engine.rub, rubbed, atol=1e-9 * np.abs(rubbed).max())
+
+
+@pytest.mark.parametrize("law", [jo.mechanism.StickSlip(), jo.mechanism.Regularised(1e-2)])
+@pytest.mark.parametrize(
+    "solver",
+    [jo.RK4(1e-3), jo.ROS2(1e-3), jo.GeneralizedAlpha(1e-3), jo.simulation.DormandPrince()],
+    ids=lambda solver: type(solver).__name__,
+)
+def test_a_sliding_block_dissipates_friction_times_its_way(solver, law):
+    """mu m g s with s = v t - mu g t^2 / 2: quadratic, so that each method adds it up exactly."""
+    mu, m, v, t = 0.2, 2.0, 3.0, 1.0
+    block = jo.RigidBody("block", m, (1.0,) * 3, velocity=(v, 0, 0))
+    slide = jo.Prismatic("slide", jo.ground["origin"], block["origin"], axis=(1, 0, 0))
+    rub = jo.Friction("rub", slide, mu, mu, law=law, bearing_length=0.5)
+    model = jo.compile(jo.Mechanism(block, slide, rub, jo.Gravity((0, 0, -9.81))))
+    run = jo.simulate(model, t, solver=solver, output_step=0.1)
+    way = v * run.time - 0.5 * mu * 9.81 * run.time**2
+    np.testing.assert_allclose(run.energy.friction, mu * m * 9.81 * way, rtol=1e-11, atol=1e-12)
+    assert np.abs(run.energy.error).max() < 1e-11

@@ -124,3 +124,18 @@ def test_links_of_a_tree_tell_the_same_as_the_rows(monkeypatch):
         rows = motions.moving(model := jo.compile(machine, core="maximal"), model.q0)
         assert tree == rows == {"hung", "loose", "carried"}
     assert engines
+
+
+def test_motions_in_units_of_unit_mass_have_the_kinetic_energy():
+    """``|L^T v|^2 = 2 T`` with the engine's energy, of turned bodies with their mass off centre."""
+    turn = {"orientation": jo.Rotate((1, 2, 3), radians=0.8), "center": (0.3, 0.1, -0.2)}
+    items = [jo.RigidBody(f"b{i}", 2.0 + i, (0.5, 0.6, 0.7), **turn) for i in range(3)]
+    model = jo.compile(
+        jo.Mechanism(*items, jo.Fixed("weld", items[0]["origin"], items[1]["origin"]))
+    )
+    engine = motions.Engine(model, implicit=False)
+    masses = motions._MassFactors(model, engine)
+    x = np.random.default_rng(5).standard_normal(model.nv)
+    engine.v[:] = masses.to_velocities(x)
+    assert 0.5 * x @ x == pytest.approx(engine.energy()[0], rel=1e-12)
+    assert masses.to_unit_mass(engine.v) == pytest.approx(x, rel=1e-12)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.base.errors import SimulationError
 from jousto.model import newton_pattern as pattern_module
 from jousto.model.model import ForceModel
 from jousto.model.native.native import Engine, displaced
@@ -283,3 +284,18 @@ def test_an_engine_without_newtons_matrix_refuses_what_needs_it() -> None:
     for ask in asks:
         with pytest.raises(ValueError, match="Newton matrix"):
             ask()
+
+
+def test_a_step_that_fails_leaves_time_and_state():
+    """A step of 24 turns of a hinge, in which Newton's iteration finds nothing."""
+    arm = jo.RigidBody("arm", 1.0, (0.1, 0.2, 0.3), center=(1.0, 0, 0))
+    pin = jo.Revolute("pin", jo.ground["origin"], arm["origin"], axis=(0, 0, 1))
+    start = jo.Initial(pin.angle, rate=30.0)
+    engine = Engine(jo.compile(jo.Mechanism(arm, pin, start, jo.Gravity((0, -9.81, 0)))))
+    options = jo.GeneralizedAlpha(1e-2).options
+    engine.step(engine.native_solver("alpha", 1e-2, True, **options))
+    before = engine.time.copy(), engine.q.copy(), engine.v.copy()
+    with pytest.raises(SimulationError, match="did not converge"):
+        engine.step(engine.native_solver("alpha", 5.0, True, **options | {"iterations": 1}))
+    for found, kept in zip((engine.time, engine.q, engine.v), before, strict=True):
+        np.testing.assert_array_equal(found, kept)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import jousto as jo
+from jousto.base.errors import SimulationError
 from jousto.model.native.native import Engine, displaced
 
 Array = NDArray[np.float64]
@@ -247,3 +248,22 @@ def test_a_smooth_drive_moves_a_link_and_one_that_may_jump_is_a_row() -> None:
     smooth = jo.compile(driven(jo.SCurve((0.0, 1.0), (0.0, 2.0))), core="joint")
     kinked = jo.compile(driven(jo.Ramp(0.0, 1.0, 0.0, 2.0)), core="joint")
     assert [model.links[0].drive for model in (smooth, kinked)] == [1, -1]
+
+
+@pytest.mark.parametrize("k", range(3))
+@pytest.mark.filterwarnings("ignore::jousto.JoustoWarning")
+def test_the_body_that_diverges_is_named(k: int) -> None:
+    """A joint rate beyond 1e15 1/s: the body behind this joint."""
+    bodies = [jo.RigidBody(f"b{i}", 1.0, (1.0,) * 3, position=(i, 0, 0)) for i in range(3)]
+    ends = [jo.ground["origin"], *(one.at((1, 0, 0)) for one in bodies)]
+    pins = [
+        jo.Revolute(f"p{i}", a, b["origin"], axis=(1, 0, 0))
+        for i, (a, b) in enumerate(zip(ends, bodies, strict=False))
+    ]
+    model = jo.compile(jo.Mechanism(*bodies, *pins), core="joint")
+    engine = Engine(model)
+    for body in model.bodies[k:]:
+        engine.v[body.iv + 3] = 2e15  # all turn with the first one about a common axis
+    with pytest.raises(SimulationError) as error:
+        engine.step(engine.native_solver("rk4", 1e-3, True))
+    assert error.value.body == f"b{k}"

@@ -269,3 +269,55 @@ def test_any_order_of_calls_finds_what_a_fresh_engine_finds(name: str) -> None:
                 expected = outcome(answer, fresh(engine))
                 found = outcome(ask, engine)
                 assert same(found, expected), f"seed {seed}: {', '.join(order)}"
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_what_is_asked_twice_with_another_state_in_between_is_what_a_fresh_engine_finds(
+    name: str,
+) -> None:
+    model, rng = MODELS[name](), np.random.default_rng(1)
+    for ask, answer in ASKED:
+        engine = Engine(model)
+        outcome(ask, engine)
+        place(engine, rng)
+        expected = outcome(answer, fresh(engine))
+        assert same(outcome(ask, engine), expected), ask.__name__
+
+
+@pytest.mark.parametrize("method", ["rk4", "ros2"])
+@pytest.mark.parametrize("core", ["joint", "maximal"])
+def test_evaluations_do_not_depend_on_the_number_of_calls(core: str, method: str) -> None:
+    """The acceleration that a row needs is the first of the next step, in the next call as well."""
+    model = jo.compile(tree(1), core=core)
+    counts = []
+    for calls in (1, 4):
+        engine = Engine(model)
+        for _ in range(calls):
+            engine.run(solver_of(engine, method), 8 // calls, 1, np.zeros((9, engine.row_size)))
+        counts.append(engine.counts.evaluations)
+    assert counts[0] == counts[1] >= 16
+
+
+@pytest.mark.filterwarnings("ignore:.*redundant")
+@pytest.mark.parametrize("core", ["joint", "maximal"])
+def test_reactions_of_redundant_loops_count_as_no_evaluation(core: str) -> None:
+    """RK4 takes four evaluations a step, and one for the last row."""
+    engine, steps_ = Engine(jo.compile(parallelogram(), core=core)), 5
+    assert engine.model.redundant
+    engine.run(solver_of(engine, "rk4"), steps_, 1, np.zeros((steps_ + 1, engine.row_size)))
+    assert engine.counts.evaluations == 4 * steps_ + 1
+
+
+def parallelogram() -> Any:
+    """Two cranks and a coupler with four hinges: planar, so that three rows are redundant."""
+    z, sizes = (0, 0, 1), {"mass": 1.0, "inertia": (0.1,) * 3}
+    up: dict[str, Any] = {**sizes, "center": (0, 0.5, 0), "markers": {"end": (0, 1, 0)}}
+    left, right = jo.RigidBody("left", **up), jo.RigidBody("right", position=(1, 0, 0), **up)
+    top = jo.RigidBody("top", **sizes, position=(0, 1, 0), markers={"end": (1, 0, 0)})
+    first = jo.Revolute("p", jo.ground["origin"], left["origin"], axis=z)
+    return jo.Mechanism(
+        *(left, top, right, first, jo.Initial(first.angle, rate=2.0)),
+        jo.Revolute("q", left["end"], top["origin"], axis=z),
+        jo.Revolute("r", top["end"], right["end"], axis=z),
+        jo.Revolute("s", jo.ground.at((1, 0, 0)), right["origin"], axis=z),
+    )
