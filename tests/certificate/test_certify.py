@@ -13,7 +13,7 @@ from gmsh_session import opened
 from jousto.base.errors import InputError, JoustoWarning
 from jousto.certificate.certificate import Check
 from jousto.certificate.certify import certify, full_model
-from jousto.certificate.part_checks import speed_of_sound
+from jousto.certificate.part_checks import mechanisms, speed_of_sound
 from jousto.materials.material import Material
 from jousto.mesh.cells import Cells
 from jousto.mesh.mesh import Mesh
@@ -239,6 +239,11 @@ def test_rotations_without_inertia() -> None:
     check = certify(part)["rotary inertia"]
     expect(check, "note", "rotations of these nodes have no mass", "consistent mass")
     assert check.value == "10 nodes of 10 without"
+    # inertia about one axis gives a rotation a frequency
+    spin = np.zeros(60)
+    spin[[3, 10, 17]] = 1e-6
+    check = certify(replace(part, M=sp.csr_array(part.M + sp.diags_array(spin))))["rotary inertia"]
+    assert check.value == "7 nodes of 10 without"
 
 
 def test_nodes_that_nothing_holds() -> None:
@@ -272,6 +277,17 @@ def test_something_that_hangs_almost_loose() -> None:
     c = certify(softened(rod(), 4, 1e-9))
     expect(c["mechanisms"], "warn", "a component is almost loose", "connect the component")
     assert "modes up to" in c["mechanisms"].sentence
+
+
+def test_components_almost_loose_at_two_levels() -> None:
+    """All modes below the last gap are loose, and the node named moves most in the last of them."""
+    full, _ = full_model(rod(), modes=0)
+    assert full is not None
+    f, shapes = np.array([1.0, 5e3, 2e7, 3e7]), np.zeros((66, 4))
+    shapes[6 * 3, 0] = shapes[6 * 7 + 1, 1] = 1.0
+    check = mechanisms(replace(full, frequencies=f, shapes=shapes), "")
+    expect(check, "warn", "2 modes up to 5000 Hz are far below the next one, 2e+07 Hz", "")
+    assert "node8 uy moves most" in check.sentence
 
 
 def test_matrices_have_no_stress() -> None:

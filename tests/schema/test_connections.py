@@ -119,6 +119,8 @@ MISTAKES = [
      "couplings.0.pinion: expects a coordinate such as hinge.angle, "),
     ("pinion: hinge.angle", "pinion: slide.displacement", 7,
      "couplings.0.pinion: slide.displacement is a length, must be an angle; "),
+    ("rack: slide.displacement", "rack: [slide, displacement]", 7,
+     "couplings.0.rack: expects "),
     ("radius", "radus", 7, "couplings.0: 'radius' is missing"),
     ("type: rack", "type: rak", 7,
      "couplings.0.type: no coupling type 'rak'; did you mean 'rack'?"),

@@ -286,6 +286,14 @@ def test_an_unknown_key_beside_all_known_ones_lists_them():
     ]
 
 
+def test_a_key_that_is_there_already_is_not_proposed():
+    text = "  - {type: position, name: middle, marker: arm.node3}"
+    assert changed((text, "  - {type: modal, nam: 1, name: middle}")) == [
+        "m.yaml:18: sensors.0: 'body' is missing",
+        "m.yaml:18: sensors.0.nam: unknown key 'nam'; known: body",
+    ]
+
+
 def test_a_force_on_the_ground_is_a_warning_with_its_line():
     force = "forces:\n  - {type: force, name: push, marker: ground.origin, vector: [1, 0, 0]}\n"
     with pytest.warns(JoustoWarning) as caught:
