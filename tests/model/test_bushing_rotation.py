@@ -116,3 +116,15 @@ def braked(degrees: float) -> jo.Mechanism:
 )
 def test_both_formulations_brake_alike(degrees):
     assert jo.verify(braked(degrees), 0.5, step=1e-2).agrees
+
+
+def test_newtons_matrix_does_not_jump_where_its_formula_changes():
+    """Between angles 2e-12 rad apart, on both sides of 0.1 rad; round-off is 1e-13."""
+    found = []
+    for angle in (0.1 - 1e-12, 0.1 + 1e-12):
+        turn = Rotation.from_rotvec(angle * AXIS).as_quat(scalar_first=True)
+        body = jo.RigidBody("body", 2.0, tuple(INERTIA), position=(0.3, 0.2, 0.1), orientation=turn)
+        bush = jo.Bushing("bush", jo.ground["origin"], body["origin"], STIFFNESS, np.zeros((6, 6)))
+        engine = jo.model.Engine(jo.compile(jo.Mechanism(body, bush)))
+        found.append(engine.newton_matrix(0.0, 0.0, 1.0).copy())
+    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-10 * np.abs(found[1]).max())

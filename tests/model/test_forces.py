@@ -191,3 +191,17 @@ def test_inputs_of_one_name_are_one():
     assert engine.sensors()[0] == 1.5
     engine.input[0] = 2.0
     assert engine.sensors()[0] == 6.0
+
+
+def test_a_ramp_has_no_rate_before_and_after_it():
+    """A servo that only damps has the force c r' of a reference r."""
+    body = jo.RigidBody("body", 2.0, (1.0,) * 3)
+    slide = jo.Prismatic("slide", jo.ground["origin"], body["origin"], axis=(1, 0, 0))
+    ramp = jo.Ramp(1.0, 3.0, before=0.5, after=4.5)
+    servo = jo.Servo("servo", slide.displacement, ramp, kp=0.0, kd=3.0)
+    engine = jo.model.Engine(jo.compile(jo.Mechanism(body, slide, servo)))
+    found = []
+    for time in (0.5, 1.5, 2.9, 3.5):
+        engine.time[0] = time
+        found.append(engine.accelerations()[0][0])
+    assert found == pytest.approx([0.0, 3.0, 3.0, 0.0], abs=1e-12)

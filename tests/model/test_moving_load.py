@@ -171,3 +171,17 @@ forces:
     assert load.position(2.0) == 3.0
     with pytest.raises(jo.InputError, match="body: no body 'bean'; did you mean 'beam'?"):
         parse_model(text.replace("body: beam", "body: bean"))
+
+
+@pytest.mark.parametrize(("node", "s"), [(1, 0.0), (3, 0.25), (5, 0.5), (9, 1.0)])
+def test_a_load_that_stands_at_a_node_is_a_force_there(node: int, s: float):
+    """At the ends of the path and between two of its pieces, too."""
+    body, force, path = bridge(), (10.0, 0.0, -FORCE), ("start", "node3", "node5", "end")
+    where = jo.Constant(s * LENGTH)
+    items = (
+        jo.mechanism.MovingLoad("wheel", body, path, force, where),
+        jo.Force("wheel", body[f"node{node}"], force),
+    )
+    found = [np.concatenate(Engine(supported(body, item)).accelerations()) for item in items]
+    assert np.abs(found[1]).max() > 1.0
+    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-9 * np.abs(found[1]).max())

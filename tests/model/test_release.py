@@ -161,3 +161,39 @@ def test_what_cannot_be_released_is_named():
     assert "event 'two': releases joint 'slide', which event 'one' releases already" in text
     with pytest.raises(jo.InputError, match=r"releases\[0\] is 3, must be a joint"):
         jo.mechanism.Event("three", slide.displacement, 1.0, releases=(3,))
+
+
+@pytest.mark.parametrize("core", ["joint", "maximal"])
+@pytest.mark.parametrize("solver", [jo.RK4(1e-2), jo.ROS2(1e-2), jo.GeneralizedAlpha(1e-2)])
+def test_the_states_of_a_controller_stay_after_its_release(solver, core):
+    mass = jo.RigidBody("mass", 1.0, (J, J, J))
+    rail = jo.Prismatic("rail", jo.ground["origin"], mass["origin"], axis=(1, 0, 0))
+    hold = jo.mechanism.PID("hold", rail.displacement, 1.0, kp=8.0, ki=4.0, kd=4.0)
+    cut = jo.mechanism.Event("cut", rail.displacement, 0.3, releases=hold)
+    engine = jo.model.Engine(jo.compile(jo.Mechanism(mass, rail, hold, cut), core=core))
+    native = engine.native_solver(solver.method, solver.step, True, **solver.options)
+    seen = []
+    for _ in range(60):
+        engine.step(native)
+        if engine.happened[0]:
+            seen.append(engine.states.copy())
+    assert len(seen) > 20 and np.abs(seen).min() > 0.1
+    np.testing.assert_array_equal(np.ptp(seen, axis=0), 0.0)
+
+
+@pytest.mark.parametrize("core", ["joint", "maximal"])
+def test_a_plastic_spring_divides_no_step_after_its_release(core):
+    """RK4 takes four evaluations in each step then, however the coordinate turns."""
+    block = jo.RigidBody("block", 1.0, (J, J, J))
+    slide = jo.Prismatic("slide", jo.ground["origin"], block["origin"], axis=(1, 0, 0))
+    spring = jo.mechanism.PlasticSpring("spring", slide.displacement, 100.0, 1.0, kinematic=10.0)
+    push = jo.JointForce("push", slide.displacement, jo.Harmonic(frequency=5.0, amplitude=40.0))
+    cut = jo.mechanism.Event("cut", slide.displacement, 0.02, releases=spring)
+    engine = jo.model.Engine(jo.compile(jo.Mechanism(block, slide, spring, push, cut), core=core))
+    native, counts = engine.native_solver("rk4", 1e-3, True), []
+    for _ in range(800):
+        engine.step(native)
+        if engine.happened[0]:
+            counts.append(engine.counts.evaluations)
+    assert len(counts) > 700
+    np.testing.assert_array_equal(np.diff(counts)[1:], 4)
