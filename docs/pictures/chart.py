@@ -9,6 +9,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 from matplotlib.patches import FancyBboxPatch, Polygon
+from matplotlib.text import Text
 
 from jousto.output.style import COLORS, INK, MUTED, STYLE, blend
 
@@ -55,11 +56,33 @@ class Chart:
         self.ax = self.figure.add_axes((0, 0, 1, 1))
         self.ax.set(xlim=(0, width), ylim=(0, height))
         self.ax.set_axis_off()
+        self.page = Box(width / 2, height / 2, width, height)
+        self.texts: list[tuple[Text, Box, bool]] = []  # with their box, and if that is a diamond
 
-    def write(self, at: Point, text: str, **style: object) -> None:
-        """Write text centred at a place."""
+    def write(
+        self,
+        at: Point,
+        text: str,
+        within: Box | None = None,
+        diamond: bool = False,
+        **style: object,
+    ) -> None:
+        """Write text centred at a place; `within` is the box that it must not leave."""
         look = {"ha": "center", "va": "center", "fontsize": FONT, "color": INK, "linespacing": 1.35}
-        self.ax.text(*at, text, **{**look, **style})  # type: ignore[arg-type]
+        written = self.ax.text(*at, text, **{**look, **style})  # type: ignore[arg-type]
+        self.texts.append((written, within or self.page, diamond))
+
+    def misfits(self) -> list[str]:
+        """Return the texts that leave their box or the picture."""
+        back = self.ax.transData.inverted()
+        found = []
+        for text, box, diamond in self.texts:
+            corners = back.transform(text.get_window_extent().corners())
+            # share of the way from the middle to the sides
+            x, y = abs((corners - (box.x, box.y)) / (box.w / 2, box.h / 2)).T
+            if max(x + y if diamond else [*x, *y]) > 1.0:
+                found.append(text.get_text())
+        return found
 
     def frame(self, box: Box, name: str, note: str, color: str) -> None:
         """Draw the pale frame of a loop, its name in one upper corner, a note in the other one."""
@@ -84,7 +107,7 @@ class Chart:
         """Draw a question."""
         corners = [box.left, box.top, box.right, box.bottom]
         self.ax.add_patch(Polygon(corners, facecolor=blend(color, 0.15), edgecolor=color, lw=1.3))
-        self.write((box.x, box.y), text)
+        self.write((box.x, box.y), text, box, diamond=True)
         return box
 
     def arrow(self, points: Sequence[Point], text: str = "", at: Point = (0.0, 0.0)) -> None:
@@ -102,7 +125,15 @@ class Chart:
             self.arrow([upper.bottom, lower.top])
 
     def save(self, path: Path) -> None:
-        """Write the picture."""
+        """Write the picture.
+
+        Raises
+        ------
+        ValueError
+            If a text is wider or higher than its box.
+        """
+        if wrong := self.misfits():
+            raise ValueError(f"{path.name}: no room for {', '.join(map(repr, wrong))}")
         self.figure.savefig(path, dpi=220)
         plt.close(self.figure)
 
@@ -115,7 +146,7 @@ class Chart:
     def _label(self, box: Box, head: str, text: str) -> None:
         lines = text.count("\n") + 1 if text else 0
         up = 0.098 * lines
-        self.write((box.x, box.y + up), head, fontweight="bold")
+        self.write((box.x, box.y + up), head, box, fontweight="bold")
         if text:
             rows = head.count("\n") + 1
-            self.write((box.x, box.y + up - 0.098 * (rows + lines)), text)
+            self.write((box.x, box.y + up - 0.098 * (rows + lines)), text, box)
