@@ -1,4 +1,4 @@
-"""COMPILE: from a mechanism to flat arrays for the C engine."""
+"""Conversion of a mechanism to flat arrays for the C engine."""
 
 from jousto.base.lazy_exports import open_room
 

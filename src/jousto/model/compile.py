@@ -1,4 +1,4 @@
-"""Mechanism -> Model: from objects with references to flat arrays."""
+"""Conversion of a mechanism, objects with references, to a model of flat arrays."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
     core : str, optional
         Coordinates of all but implicit solvers: "joint" for the joint coordinates of a tree of
         rigid bodies (in mechanisms with flexible bodies, for rigid subtrees; not DormandPrince);
-        "maximal" for the positions of all bodies, for any mechanism; "auto" for the faster of both.
+        "maximal" for the positions of all bodies, for any mechanism; "auto" for the faster one.
         None for the core of the mechanism.
 
     Returns
@@ -246,7 +246,7 @@ def _rigid(body: RigidBody, iq: int, iv: int, mass: Array, S0: Array, J0: Array)
 
 
 def half_inertia_rate(N: Array) -> Array:
-    """Return ``tr(N) E - sym(N)`` as xx yy zz yz xz xy, first axis; N (..., 3, 3)."""
+    """Return ``tr(N) E - sym(N)`` as xx yy zz yz xz xy on the first axis; N (..., 3, 3)."""
     trace = np.trace(N, axis1=-2, axis2=-1)
     return np.stack(
         [(trace if i == j else 0.0) - 0.5 * (N[..., i, j] + N[..., j, i]) for i, j in SYMMETRIC]
@@ -254,7 +254,7 @@ def half_inertia_rate(N: Array) -> Array:
 
 
 def axial(N: Array) -> Array:
-    """Return ``int a x b dm`` from ``N = int a b^T dm``, first axis; N (..., 3, 3)."""
+    """Return ``int a x b dm`` from ``N = int a b^T dm``, on the first axis; N (..., 3, 3)."""
     return np.stack(
         [
             N[..., 1, 2] - N[..., 2, 1],
@@ -328,7 +328,7 @@ def _shape(body: RigidBody | FlexibleBody) -> Shape:
 
 
 def _stress(reduced: ReducedPart) -> StressModes | None:
-    """Return the stress data stored in results: all sites; for solids, those on the surface."""
+    """Return the stress data stored in results: all sites, for solids only those on the surface."""
     stress = located(reduced)
     if stress is None or reduced.elements.ndim != 2 or reduced.elements.shape[1] != 3:
         return stress
@@ -342,7 +342,7 @@ def _stress(reduced: ReducedPart) -> StressModes | None:
 
 
 def _consistent(model: Model) -> Model:
-    """Return the model with closed joints and velocities that satisfy them."""
+    """Return the model after closing its joints, with velocities that satisfy them."""
     engine = Engine(model, strict=True, implicit=False)
     given = model.v0.copy()
     found = None

@@ -17,7 +17,7 @@ pivot would vanish, since the stiffness of a fixed half decreases with the cube 
 
 
 class TooDense(Exception):
-    """Error raised if a factor has too many products of blocks.
+    """Error raised if a Cholesky factor has too many products of blocks.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Elimination:
     fill : int
         Number of blocks of the factor that are zero in S.
     hubs : tuple of int
-        Bodies whose velocities are eliminated, too; in the order their indices follow those of the
+        Bodies whose velocities are also eliminated; in `order` their indices follow those of the
         joints.
     """
 
@@ -129,7 +129,7 @@ def eliminate(
         return (degree * (degree - 1) - sum(len(near[i] & near[a]) for a in near[i])) // 2
 
     def at_most(i: int, clique: int) -> int:
-        """Return an upper bound of `missing`: neighbours left by the last joint are coupled."""
+        """Return an upper bound of `missing`, from the neighbours left by the last joint."""
         degree = len(near[i])
         return (degree * (degree - 1) - clique * (clique - 1)) // 2
 

@@ -1,4 +1,4 @@
-"""Numbers of a force, by their names in the header of the engine."""
+"""Numbers of a force by their names in the header of the engine."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from jousto.model.native.header import named
 
 
 def struct_of(kind: str) -> str:
-    """Return the struct of the numbers of a law, ``jo_modal_load_data``."""
+    """Return the name of the struct of a law's numbers, such as ``jo_modal_load_data``."""
     return f"jo_{kind.replace(' ', '_')}_data"
 
 
@@ -20,5 +20,5 @@ def numbers_of(force: ForceModel) -> Any:
 
 
 def law_in(force: ForceModel) -> EngineLaw:
-    """Return the declared law of a force with its numbers."""
+    """Return the declared law of a force model with the numbers of the model."""
     return force.law.with_numbers(numbers_of(force))

@@ -1,4 +1,4 @@
-"""Hubs: rigid bodies with many joints, and the order of elimination of joints and hubs.
+"""Hubs: rigid bodies with many joints, and the elimination order of joints and hubs.
 
 The joints of one body are all coupled, so that they form a dense block of ``S = Cq M^-1 Cq^T``.
 Instead the velocities of a hub are unknowns of the factorisation: ``[D V; V^T -1]`` with ``S = D +
@@ -60,10 +60,10 @@ def order_joints(
 
 
 def closing(ends: Sequence[set[int]], held: set[int]) -> set[int]:
-    """Return the joints whose rows may be redundant as long as some bodies are fixed.
+    """Return the joints whose rows may be redundant while some bodies are fixed.
 
     A group of bodies connected to a single fixed body has independent rows. In a group connected to
-    several fixed bodies, the joints to all but one of these are eliminated later, and so are joints
+    several fixed bodies, the joints to all but one fixed body are eliminated later, as are joints
     between fixed bodies.
 
     Parameters

@@ -36,7 +36,7 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     """Return velocities v (nv,) that satisfy joints and drives with the least modal velocities.
 
     Velocities that violate the constraints (for example of a machine at rest with moving drives)
-    are corrected by dv with ``Cq dv = -(Cq v + C_t)``. Of all such dv those with the least
+    are corrected by dv with ``Cq dv = -(Cq v + C_t)``. Of all such dv, those with the least
     ``|dp'|`` are selected, zero if the rigid mechanism can follow, and of these the one of least
     kinetic energy ``dv^T M dv``. The nearest velocities in the mass metric would be those after an
     impact, with vibration of the modes from the start. Mechanisms of more than `MOST` velocities or
@@ -54,7 +54,7 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     -------
     array or None
         None if no modal velocities would change, if the mechanism is too large, or if velocities
-        were given: these keep their momentum, with the resulting modal velocities.
+        were given: given velocities keep their momentum, with the resulting modal velocities.
     """
     if np.any(given):
         return None
@@ -89,11 +89,11 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
 
 
 def least_motion(model: Model, engine: Engine, Cq: Array, asked: Array) -> Array | None:
-    """Return dv (nv,) of least norm with ``Cq dv = asked``, modal velocities the least.
+    """Return dv (nv,) of least norm with ``Cq dv = asked`` and the least modal velocities.
 
-    Of all least-squares solutions those with the least ``|dp'|`` are selected, and of these the one
-    of least ``dv^T M dv``. The same applies to increments of the position. None if a body has no
-    mass.
+    Of all least-squares solutions, those with the least ``|dp'|`` are selected, and of these the
+    one of least ``dv^T M dv``. The same applies to increments of the position. None if a body has
+    no mass.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def modal_velocities(model: Model) -> NDArray[np.bool_]:
 
 
 def _masses(model: Model, engine: Engine, modal: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Return the Cholesky factor of M_rr, and M_rp; r are [R' (world), w (local)], p are p'."""
+    """Return the Cholesky factor of M_rr, and M_rp; r: [R' (world), w (local)], p: p'."""
     nr, place = int((~modal).sum()), np.cumsum(~modal) - 1
     column = np.cumsum(modal) - 1
     L, coupling = np.zeros((nr, nr)), np.zeros((nr, int(modal.sum())))
@@ -163,7 +163,7 @@ def _masses(model: Model, engine: Engine, modal: NDArray[np.bool_]) -> tuple[Arr
 
 
 def started(model: Model, initials: Sequence[Initial], builder: Builder) -> Model:
-    """Return the model with the pose and velocities of given values and rates.
+    """Return the model with the pose and the velocities that given values and rates require.
 
     The pose follows from ``C(q, 0) = 0`` together with the coordinates, the velocities from
     ``Cq v = -C_t`` together with the rates: increments and velocity changes with the least modal
@@ -200,7 +200,7 @@ def started(model: Model, initials: Sequence[Initial], builder: Builder) -> Mode
 
 
 def _with_rows(model: Model, initials: Sequence[Initial], builder: Builder) -> Model:
-    """Return the model with one row ``s = 0`` per coordinate, after all permanent rows."""
+    """Return the model with a row ``s = 0`` for each coordinate after all permanent rows."""
     fixed = [joint for joint in model.joints if joint.lock < 0]
     row = model.permanent
     for initial in initials:
@@ -255,7 +255,7 @@ def _coordinate(joint: JointModel) -> int:
 
 
 def _close(model: Model, engine: Engine, first: int, aim: Array) -> bool:
-    """Close the joints with the coordinates at given values; return whether this converged."""
+    """Close the joints with coordinates at given values; return whether the iteration converged."""
     kinds = (model.coordinates[_coordinate(j)].kind for j in model.joints[-len(aim) :])
     angles = np.array([kind == "angle" for kind in kinds])
     metres = velocity_metres(model)
@@ -318,7 +318,7 @@ def _velocities(model: Model, initials: Sequence[Initial]) -> Array:
 def _contradictions(
     model: Model, engine: Engine, initials: Sequence[Initial], miss: Array
 ) -> Sequence[Problem]:
-    """Return the rates that contradict each other or the joints."""
+    """Return the rates that contradict one another or the joints."""
     share = np.linalg.norm(dependent_rows(model, engine), axis=1)
     problems = Problems()
     joints = model.joints[: -len(initials)]

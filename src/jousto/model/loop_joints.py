@@ -1,4 +1,4 @@
-"""Loops: joints outside of the spanning tree, whose rows close loops, in the engine's order."""
+"""Loops: joints outside the spanning tree in the engine's order; their rows close loops."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Loops(NamedTuple):
 
 
 def spanning(edges: Sequence[tuple[int, int, int]]) -> list[int]:
-    """Return the joints of a spanning tree: joints that close a loop and have most rows are kept.
+    """Return the joints of a spanning tree; joints with many rows are kept in it.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def cut_joints(model: Model, links: Iterable[LinkModel]) -> list[int]:
 
 
 def loops_of(model: Model) -> Loops:
-    """Return the loops of the tree, loops that share moving links grouped together."""
+    """Return the loops of the tree; loops that share moving links form one group."""
     links = () if model.mixed else model.links
     cut = cut_joints(model, links) if links else []
     of_body = {link.body: i for i, link in enumerate(links) if link.body >= 0}
@@ -89,7 +89,7 @@ def loops_of(model: Model) -> Loops:
 
 
 def drawback(model: Model) -> str:
-    """Return why a tree is not faster than the positions of the bodies; empty if it is.
+    """Return why a tree is not faster than coordinates of all bodies; empty if it is faster.
 
     Loops with many common links form a dense matrix, and each row depends on all links of its loop;
     then the sparse rows of all joints need fewer operations.
@@ -119,7 +119,7 @@ def _meet_often(model: Model) -> bool:
 
 
 def _meets(seen: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return the pairs of reaches of one link, including each reach with itself."""
+    """Return the pairs of reaches on one link, each reach with itself included."""
     of_link: dict[int, list[int]] = {}
     for link, place in seen:
         of_link.setdefault(link, []).append(place)
@@ -127,7 +127,7 @@ def _meets(seen: list[tuple[int, int]]) -> list[tuple[int, int]]:
 
 
 def is_moving(link: LinkModel) -> bool:
-    """Return whether a link has a free motion, not only that of a drive."""
+    """Return whether a link can move freely, and not only by a drive."""
     return link.kind in MOVING and link.driven < 0
 
 

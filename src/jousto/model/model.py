@@ -105,7 +105,7 @@ class BeamModel:
 class MarkerModel:
     """Frame on body `body` (-1: ground); mode shapes (3, n), or None if rigid.
 
-    `turns` is True if its orientation is needed in every evaluation, not only for sensors; `chi`
+    `turns` is True if its orientation is needed in every evaluation and not for sensors only; `chi`
     (6, n, n) is its second-order translation and rotation, with stiffening. `site` is the declared
     marker with its part; None for a marker added by the program.
     """
@@ -313,7 +313,7 @@ class FrictionModel:
 
 @dataclass(frozen=True)
 class EventModel:
-    """Threshold of the sensor value at index `output`."""
+    """Event at a threshold of the sensor value with index `output`."""
 
     name: str
     output: int
@@ -343,7 +343,7 @@ class SensorModel:
 
 @dataclass(frozen=True)
 class MeterModel:
-    """Damage meter that counts the sensor value at index `output`, times `factor`."""
+    """Damage meter of the sensor value with index `output`, times `factor`."""
 
     rule: MeterRule
     output: int
@@ -352,7 +352,7 @@ class MeterModel:
 
 @dataclass(frozen=True, eq=False)
 class FmuModel:
-    """Functional mock-up unit, and the sensors and inputs of the exchange.
+    """Functional mock-up unit with the sensors and inputs that exchange its values.
 
     Attributes
     ----------
@@ -488,9 +488,9 @@ class Model:
         return bool(self.links) and self.links[0].kind == "body"
 
     def keeping_tree(self, of: Model) -> Model:
-        """Return this model with the links of another one, if the other one has links.
+        """Return this model with the links of another model, if that has any.
 
-        For changes that affect no link, such as added objects that act on no joint of the tree.
+        For changes without effect on links, such as added objects that act on no joint of the tree.
         """
         return replace(self, tree_of=self.parts_of_tree) if of.links else self
 

@@ -1,4 +1,4 @@
-"""Warning about bodies that were moved to fit drives at the start."""
+"""Warning about bodies moved at the start to fit the drives."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jousto.model.model import Model
 
 
 def warn_moved(mechanism: Mechanism, model: Model, placed: Array) -> None:
-    """Warn about drives whose initial value differs from the coordinate, and moved bodies.
+    """Warn about drives whose initial value differs from their coordinate, and moved bodies.
 
     Differences up to the tolerance for gaps at joints cause no warning: 1e-6 of the size of the
     mechanism, or rad.

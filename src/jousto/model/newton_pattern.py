@@ -1,4 +1,4 @@
-"""Pattern of Newton's matrix of the implicit methods: nodes, their order, fill and memory."""
+"""Newton's matrix of the implicit methods: its nodes, their order, fill and memory."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STRUCTURE = ("bodies", "joints", "forces", "beams", "markers", "coordinates")
 class NewtonPattern:
     """Block pattern of ``[M^ Cq^T; Cq 0]`` and of its LU factors, computed once per mechanism.
 
-    A node is a body with the joint towards the ground, so that its pivot block is regular, or the
+    A node is a body and its joint towards the ground, so that its pivot block is regular, or the
     joints that close a loop, after the bodies of the loop.
 
     Attributes
@@ -55,7 +55,7 @@ _KNOWN: WeakKeyDictionary[Model, NewtonPattern] = WeakKeyDictionary()
 
 
 def padded(count: int) -> int:
-    """Return count rounded up to the padding."""
+    """Return a count rounded up to a multiple of the padding."""
     return -(-count // PAD) * PAD
 
 
@@ -69,7 +69,7 @@ def newton_pattern(model: Model) -> NewtonPattern:
 
 
 def _same_structure(model: Model, other: Model) -> bool:
-    """Return whether two models share all lists on which the pattern depends."""
+    """Return whether two models have equal lists of everything that determines the pattern."""
     return all(getattr(model, name) is getattr(other, name) for name in STRUCTURE)
 
 
@@ -201,7 +201,7 @@ def _moving(model: Model, markers: Sequence[int]) -> list[int]:
 def _tree(
     model: Model, moving: Sequence[list[int]]
 ) -> tuple[list[int], list[list[int]], list[int]]:
-    """Return the parent (-1: ground or none) of every body, its assigned joints, and the loops."""
+    """Return the parent of every body (-1: ground or none), its joints, and the loops."""
     count = len(model.bodies)
     on_body: list[list[int]] = [[] for _ in range(count + 1)]  # the last entry is the ground
     for j, joint in enumerate(model.joints):
@@ -246,7 +246,7 @@ def _carries(joint: JointModel) -> bool:
 
 
 def _path(parent: Sequence[int], bodies: Sequence[int]) -> set[int]:
-    """Return the bodies of the loop closed by a joint between `bodies`."""
+    """Return the bodies of the loop that a joint between `bodies` closes."""
     lines = []
     for b in bodies:
         line = [b]

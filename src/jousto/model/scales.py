@@ -1,4 +1,4 @@
-"""Scales of the quantities of a model, to detect readings that are zero except for round-off."""
+"""Scales of the quantities of a model, to tell zero within round-off from other values."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def largest_speed(model: Model, v: NDArray[Any]) -> float:
 
 
 def speed_scale(model: Model, v: NDArray[Any], a: NDArray[Any]) -> float:
-    """Return a typical speed of a mechanism, m/s: its own, or that gained over its size.
+    """Return a typical speed of a mechanism, m/s: its own, or one reached over its size.
 
     ``max(|v|, sqrt(|a| size))``; it is zero at rest without acceleration.
 

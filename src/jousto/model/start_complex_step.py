@@ -22,7 +22,7 @@ SMALL = 1e-9  # relative tolerance of comparisons
 
 
 def has_steps(model: Model) -> bool:
-    """Return whether a number of a model has a derivative."""
+    """Return whether any number of a model carries a derivative (an imaginary part)."""
     return is_stepping() and real_parts(model) is not model
 
 

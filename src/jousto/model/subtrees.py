@@ -1,4 +1,4 @@
-"""Carried: rigid subtrees in joint coordinates on bodies in maximal coordinates."""
+"""Rigid subtrees in joint coordinates, carried by bodies in maximal coordinates."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from jousto.model.model import JointModel, LinkModel, Model
 
 
 def is_link(joint: JointModel) -> bool:
-    """Return whether a joint connects bodies and is no relation of other coordinates."""
+    """Return whether a joint connects bodies directly, and does not relate other coordinates."""
     return joint.coincident or bool(joint.perpendicular)
 
 
 def carried_bodies(model: Model, known: set[int], drives: set[int]) -> dict[int, int]:
-    """Return the rigid bodies for joint coordinates, each with the joint towards the ground.
+    """Return the rigid bodies with joint coordinates, each with its joint towards the ground.
 
     Leaves of the graph of joints that are connected to a rigid body or to the ground are removed
     repeatedly. The first body on a modal body remains in maximal coordinates, and so do bodies with
@@ -26,7 +26,7 @@ def carried_bodies(model: Model, known: set[int], drives: set[int]) -> dict[int,
     model : Model
         The mechanism.
     known : set of int
-        Joints that can be links.
+        Joints that can be links of the tree.
     drives : set of int
         Drives that prescribe a coordinate of such a joint.
     """
@@ -59,7 +59,7 @@ def carried_bodies(model: Model, known: set[int], drives: set[int]) -> dict[int,
 
 
 def links_first(model: Model, links: tuple[LinkModel, ...]) -> Elimination:
-    """Return an elimination order that begins with the joints that are links."""
+    """Return an elimination order in which joints that are links come first."""
     inside = {place for link in links for place in (link.joint, link.drive)} - {-1}
     on_body = joints_on(model.joints, model.markers)
     after = {k: inside for k in range(len(model.joints)) if k not in inside}
@@ -67,7 +67,7 @@ def links_first(model: Model, links: tuple[LinkModel, ...]) -> Elimination:
 
 
 def bearers(model: Model) -> list[str]:
-    """Return the names of the bodies, or of the ground, on which links begin."""
+    """Return the names of the bodies, or the ground, from which links start."""
     links = model.links
     found = dict.fromkeys(
         links[link.parent].body if link.parent >= 0 else -1
@@ -78,6 +78,6 @@ def bearers(model: Model) -> list[str]:
 
 
 def with_ports(model: Model, links: tuple[LinkModel, ...]) -> Model:
-    """Return the model with links, in an order of joints in which they can be left out."""
+    """Return the model with links, its joints ordered so that those of links can be left out."""
     made = replace(model, tree=links, elimination=links_first(model, links))
     return replace(made, tree_of=made.parts_of_tree)

@@ -15,20 +15,20 @@ GROUPS = ("joint", "force", "sensor", "marker")
 @described
 @dataclass(frozen=True, eq=False)
 class SymbolPoint:
-    """Frame on a body, of a symbol.
+    """Point of a symbol: a frame on a body.
 
     Attributes
     ----------
     body : int
         Index of the body, -1 for the ground.
     u0 : (3,) array
-        Undeformed position in the frame of the body, of the ground in the world, m.
+        Undeformed position in the frame of the body (in the world for the ground), m.
     axes : (3, 3) array
         Columns are its axes in the frame of the body.
     node : int
-        Node of the body whose motion it has; -1 for none.
+        Node of the body with which the point moves; -1 for none.
     modes : (3, n) array or None
-        Displacement in each mode, if it is at no node.
+        Displacement in each mode, for a point without a node.
     """
 
     body: int

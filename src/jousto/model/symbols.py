@@ -31,7 +31,7 @@ MOST_SITES = 32  # maximum number of stress sites with a symbol
 
 
 def symbols(mechanism: Mechanism, index: Mapping[int, int]) -> tuple[SymbolShape, ...]:
-    """Return the symbols of a mechanism; `index` holds the place of every body by its id."""
+    """Return the symbols of a mechanism; `index` gives the index of every body by its id."""
     make = SymbolMaker(index)
     return (
         *map(make.joint, mechanism.joints),
@@ -50,7 +50,7 @@ class Symbols(Sequence[SymbolShape]):
     ----------
     mechanism : Mechanism
     index : mapping of int to int
-        The place of every moving body by its id.
+        Index of every moving body by its id.
     """
 
     def __init__(self, mechanism: Mechanism, index: Mapping[int, int]) -> None:
@@ -84,7 +84,7 @@ class SymbolMaker:
     Parameters
     ----------
     index : mapping of int to int
-        The place of every moving body by its id.
+        Index of every moving body by its id.
     """
 
     def __init__(self, index: Mapping[int, int]) -> None:
@@ -93,7 +93,7 @@ class SymbolMaker:
     # -- one symbol each --------------------------------------------------------------------
 
     def joint(self, joint: Joint) -> SymbolShape:
-        """Return the symbol of a joint: its own kind, and the z axis of its frame a."""
+        """Return the symbol of a joint, with its kind and the z axis of its frame a."""
         a, b = joint.frames
         axis = np.array(floats(a.axes))[:, 2]
         points = (self.point(a), self.point(b))
@@ -119,7 +119,7 @@ class SymbolMaker:
         return SymbolShape(friction.name, "friction", "force", made.points, made.axis, text=text)
 
     def sensor(self, sensor: Sensor) -> Iterator[SymbolShape]:
-        """Return the symbol of a sensor; energies and signals have no position and no symbol."""
+        """Return the symbol of a sensor; None for energies and signals, which have no position."""
         points, axis = self._sensed(sensor)
         if points:
             text = f"{sensor.name}: {sensor.description}"
@@ -145,7 +145,7 @@ class SymbolMaker:
     # -- where they are ---------------------------------------------------------------------
 
     def point(self, marker: Marker) -> SymbolPoint:
-        """Return the frame of a marker."""
+        """Return the symbol point of a marker."""
         modes = None
         if marker.followed is not None:
             modes = np.array(floats(marker.Phi))
@@ -158,7 +158,7 @@ class SymbolMaker:
         )
 
     def place(self, body: Any, position: Array) -> SymbolPoint:
-        """Return a point of a body; in a flexible body it moves with the nearest node's section."""
+        """Return a symbol point of a body; in a flexible body it moves with the nearest section."""
         place = self._index.get(id(body), -1)
         if not isinstance(body, FlexibleBody):
             return SymbolPoint(place, np.array(floats(position)), NO_TURN)
@@ -173,7 +173,7 @@ class SymbolMaker:
         return SymbolPoint(place, at, NO_TURN, modes=modes)
 
     def origin(self, body: Any) -> SymbolPoint:
-        """Return the middle of a body."""
+        """Return the symbol point in the middle of a body."""
         if isinstance(body, BeamBody):
             return self.point(body[f"node{len(body.bodies) // 2 + 1}"])
         if isinstance(body, FlexibleBody):
@@ -183,7 +183,7 @@ class SymbolMaker:
     def _along(
         self, coordinates: Sequence[Coordinate]
     ) -> tuple[tuple[SymbolPoint, ...], Array | None]:
-        """Return the points and the direction of a force along coordinates."""
+        """Return the points and the direction for a force along coordinates."""
         markers = [marker for s in coordinates for marker in (s.a, s.b)]
         points = tuple(self.point(marker) for marker in markers)
         first = coordinates[0]
@@ -192,7 +192,7 @@ class SymbolMaker:
         return points, np.array(floats(first.a.axes))[:, first.column]
 
     def _pushed(self, force: ForceElement) -> tuple[tuple[SymbolPoint, ...], Array | None, bool]:
-        """Return the points of a force, its direction, and whether that is fixed in the world."""
+        """Return points and direction of a force, and whether it is fixed in the world."""
         points = tuple(
             self.point(at) if isinstance(at, Marker) else self.place(*at) for at in force.drawn_at
         )
@@ -209,7 +209,7 @@ class SymbolMaker:
         return (self.origin(push.body),), None, False
 
     def _sensed(self, sensor: Sensor) -> tuple[tuple[SymbolPoint, ...], Array | None]:
-        """Return the points of a sensor and its direction; none without a position."""
+        """Return points and direction of a sensor; no points without a position."""
         if isinstance(sensor, Bridge):
             points = [self.place(sensor.body, gauge.position) for gauge in sensor.gauges]
             return tuple(points), np.array(floats(sensor.gauges[0].axis))

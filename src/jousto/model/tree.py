@@ -76,7 +76,7 @@ def with_core(model: Model, core: str) -> Model:
 
 
 def core_of(model: Model) -> str:
-    """Return the core of a model and, if it is not joint coordinates, the reason."""
+    """Return the core of a model, and why it is not joint coordinates if so."""
     if model.mixed:
         carried, where = _carried(model), ", ".join(bearers(model))
         kept = len(model.bodies) - carried
@@ -94,7 +94,7 @@ def core_of(model: Model) -> str:
 
 
 def _drawback(made: Model) -> str:
-    """Return why joint coordinates are not faster; empty if they are."""
+    """Return why joint coordinates are not faster; empty if they are faster."""
     if not made.mixed:
         return drawback(made)
     count = _carried(made)
@@ -102,7 +102,7 @@ def _drawback(made: Model) -> str:
 
 
 def _carried(model: Model) -> int:
-    """Return the number of bodies in joint coordinates besides those in maximal coordinates."""
+    """Return the number of bodies with joint coordinates in a model that has both kinds."""
     return len(model.bodies) - sum(link.kind == "body" for link in model.links)
 
 
@@ -228,7 +228,7 @@ class _Tree:
     def _joints(self) -> list[int]:
         """Return the joints that become links; store the drives of coordinates.
 
-        Of the joints of a loop the one with the fewest rows is left out; its rows, and those of
+        Of the joints of a loop, the one with the fewest rows is left out; its rows, and those of
         couplings, remain, see loop_joints.py.
         """
         joints = self.model.joints
@@ -256,7 +256,7 @@ class _Tree:
         return single and line.signal >= 0 and self._smooth(line.signal)
 
     def _smooth(self, place: int) -> bool:
-        """Return whether value and rate of a signal are continuous."""
+        """Return whether the value and the rate of a signal are continuous."""
         signal = self.model.signals[place]
         if signal.kind in ("sum", "product"):
             return all(self._smooth(child) for child in signal.children)
@@ -296,7 +296,7 @@ class _Tree:
         self.of_body[body] = len(self.made) - 1
 
     def _add(self, joint: JointModel | None, whole: str, link: dict[str, Any]) -> None:
-        """Append a link with given fields, its indices and its own coordinates.
+        """Append a link with given fields, and add its indices and its own coordinates.
 
         `whole` is the kind of the joint; a link may be its first or its second half.
         """
@@ -312,7 +312,7 @@ class _Tree:
         self.made.append(LinkModel(**link))
 
     def _own(self, link: dict[str, Any], joint: JointModel, kind: str) -> tuple[int, ...]:
-        """Return the coordinates equal to the position of a link, up to the sign."""
+        """Return the coordinates that equal the position of a link, up to the sign."""
         a, b = joint.sides[:2]
         pairs = {"hinge": ("angle", a, b), "slide": ("along", a, b)}
         found = []
@@ -330,12 +330,12 @@ class _Tree:
 
     @cached_property
     def first_line(self) -> list[int]:
-        """Number of lines of the joints before each joint."""
+        """Index of the first line of each joint among the lines of all joints."""
         return [0, *accumulate(len(joint.lines) for joint in self.model.joints)]
 
     @cached_property
     def between(self) -> dict[tuple[int, int], list[int]]:
-        """Coordinates by their two bodies."""
+        """Coordinates, grouped by their two bodies."""
         found: dict[tuple[int, int], list[int]] = {}
         for i, c in enumerate(self.model.coordinates):
             found.setdefault(self._pair(c.a, c.b), []).append(i)
@@ -346,7 +346,7 @@ class _Tree:
         return (one, other) if one <= other else (other, one)
 
     def _crossed(self, link: dict[str, Any], joint: JointModel, place: int) -> bool:
-        """Return whether an angle is that of the first or second hinge of a universal joint."""
+        """Return whether an angle is that of the first or the second hinge of a universal joint."""
         a, b = joint.sides[:2]
         c = self.model.coordinates[place]
         if link["body"] < 0:
@@ -354,7 +354,7 @@ class _Tree:
         return self._turned(c.a, b, Y_FIRST_BACK) and self._turned(c.b, a, Z_FIRST)
 
     def _turned(self, place: int, origin: int, axes: Array) -> bool:
-        """Return whether a marker equals another one with reordered axes."""
+        """Return whether a marker is another marker with reordered axes."""
         one, other = self.model.markers[place], self.model.markers[origin]
         return (
             one.body == other.body
@@ -363,7 +363,7 @@ class _Tree:
         )
 
     def _kind(self, place: int) -> str:
-        """Return the kind of a joint as links; _Unfit if it has none."""
+        """Return the links that represent a joint, as kinds; _Unfit if there are none."""
         joint = self.model.joints[place]
         rows, sliding = set(joint.perpendicular), self._slides(joint)
         kind = LINKS.get((joint.coincident, sliding, frozenset(rows)))
@@ -402,7 +402,7 @@ class _Tree:
 
 
 def _smooth_pieces(data: Array, count: int, degree: int) -> bool:
-    """Return whether polynomials are continuous at their ends, with zero rate at both ends."""
+    """Return whether polynomial pieces join continuously, with zero rate at both ends."""
     t, c = data[:count], data[count:].reshape(-1, degree + 1)
     width = np.diff(t)[:, None]
     powers = width ** np.arange(degree + 1)

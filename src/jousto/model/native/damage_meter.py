@@ -36,17 +36,17 @@ def native_rule(ffi: Any, rule: MeterRule) -> Any:
 
 
 def meter_size(rule: MeterRule) -> int:
-    """Return the count of numbers in the memory of a meter."""
+    """Return how many numbers the memory of a meter contains."""
     return int(library.real_library().JO_METER) + rule.depth
 
 
 def _place(name: str) -> int:
-    """Return the index of a number in the memory of a meter."""
+    """Return the index of a named number in the memory of a meter."""
     return kinds("jo_meter_place")[name]
 
 
 def fingerprint(rule: MeterRule) -> Array:
-    """Return the parameters (9,) on which the damage of a memory depends; see `MARKS`."""
+    """Return the parameters (9,) that determine the damage of a memory; see `MARKS`."""
     law, values = rule.correction
     mean = [kinds("jo_mean")[law], *values.values(), 0.0, 0.0][:3]
     return np.array([*rule.curve, *mean, rule.resolution])
@@ -55,11 +55,11 @@ def fingerprint(rule: MeterRule) -> Array:
 class DamageMeter:
     """Rainflow count and Miner's sum of stress histories, sample by sample, in fixed memory.
 
-    Cycles are closed by the four-point rule: of the turning points A B C D the range B C counts if
-    it lies within A D. Cycles and damage equal those of the count of the whole history, for any
+    Cycles are closed by the four-point rule: of four turning points A B C D, the range B C counts
+    if it lies within A D. Cycles and damage equal those of the count of the whole history, for any
     division into blocks. The damage of a cycle is ``1 / N(S)`` of the S-N curve, after the mean
-    stress correction. Turning points without a closed cycle, the residue, count by the residue rule
-    when the damage is read; reading does not change the count.
+    stress correction. Turning points without a closed cycle, the residue, are counted by the
+    residue rule when the damage is read; reading does not change the count.
 
     A meter stores `depth` turning points. While the ranges of the residue grow, the oldest point
     can be removed without error: it is half a cycle, as in ASTM E1049. A decreasing residue with

@@ -17,7 +17,7 @@ MODULE = "declared"  # name of the module beside the libraries
 
 
 def declarations(header: Path) -> str:
-    """Return the C declarations of jousto.h for cffi: its tables and all from BEGIN to END.
+    """Return the C declarations of jousto.h for cffi: tables, and the text from BEGIN to END.
 
     They use ``jo_real`` only behind pointers, so that they fit all builds.
     """
@@ -36,7 +36,7 @@ def declarations(header: Path) -> str:
 
 
 def _rows(head: str, table: str) -> list[tuple[str, str]]:
-    """Return the rows of a table of the header: their names and what follows these."""
+    """Return the rows of a table of the header: each name and the text after it."""
     text = head.split(f"#define {table}(ROW)")[1].split("/* the last row */")[0]
     return re.findall(r"ROW\((\w+), ([^()]*(?:\([^()]*\)[^()]*)*)\)", text.replace("\\\n", ""))
 
@@ -63,7 +63,7 @@ def write(header: Path, target: Path) -> None:
 
 
 def view(header: Path, folder: Path) -> Any:
-    """Return the cffi view of a header: that written by the build, else parsed now.
+    """Return the cffi view of a header, as written by the build or else parsed now.
 
     Parameters
     ----------

@@ -28,16 +28,16 @@ _LAID: WeakKeyDictionary[Model, tuple[str, _Laid | None]] = WeakKeyDictionary()
 
 
 def machines() -> int:
-    """Return the number of machines that this processor steps together; 1 without a build."""
+    """Return the number of machines that this processor advances together; 1 without a build."""
     return 1 if library.lanes() is None else int(library.lanes().jo_machines())
 
 
 def structure(model: Model) -> str:
-    """Return a key that is equal for machines that can step together; empty if this one cannot.
+    """Return a key, equal for machines that can be advanced together; empty if this one cannot.
 
     Machines of equal structure differ only in numbers: they have the same bodies and modes, joints,
     forces, signals and sensors, in the same order. A machine with friction, beams, events, damage
-    meters, moving loads or user functions steps alone, and so does a tree in joint coordinates,
+    meters, moving loads or user functions is advanced alone, and so is a tree in joint coordinates,
     which is as fast alone.
     """
     if model not in _LAID:
@@ -54,7 +54,7 @@ def _is_plain(model: Model) -> bool:
 
 @functools.cache
 def _pointers(struct: str) -> tuple[int, ...]:
-    """Return a mask of the words of a struct that are pointers; empty for a number."""
+    """Return a mask of the pointers among the words of a struct; empty for a number."""
     kind = library.ffi().typeof(struct)
     fields = kind.fields if kind.kind == "struct" else ()
     return tuple(f.offset // 8 for _, f in fields if f.type.kind in ("pointer", "function"))
@@ -90,7 +90,7 @@ class _Laid:
         self.ends = self.starts + np.array(sizes, np.uint64)[self.order]
 
     def places(self, pointers: Words) -> tuple[NDArray[np.intp], Words]:
-        """Return the array or block to which each pointer leads, and the offset in it.
+        """Return the target of each pointer (index of an array or block) and the offset in it.
 
         The index is -1 for null pointers.
         """
@@ -133,12 +133,12 @@ def _aligned(count: int, machines: int) -> Array:
 
 
 class Ensemble:
-    """Machines of equal structure that step together.
+    """Machines of equal structure that the engine advances together.
 
     Parameters
     ----------
     engines : sequence of Engine
-        As many as `machines`, at the same time; each with its model and where it starts.
+        As many as `machines`, at the same time; each with its model and its start state.
 
     Raises
     ------
@@ -175,7 +175,7 @@ class Ensemble:
             ).T
 
     def _interleaved(self, laid: list[_Laid]) -> Any:
-        """Return the jo_model of all machines: interleaved numbers, the rest from the first."""
+        """Return the jo_model of all machines: numbers interleaved, the rest from the first."""
         first, count = laid[0], len(laid)
         rooms = []
         for i in range(len(first.rooms)):

@@ -33,7 +33,7 @@ def kind(enum: str, number: int) -> str:
 
 @functools.cache
 def places(struct: str) -> dict[str, slice]:
-    """Return the offsets of the fields of a struct of jo_reals in a flat array."""
+    """Return the offsets of the fields of a struct of jo_reals in its flat array."""
     real = ffi().sizeof("jo_real")
     return {
         name: slice(field.offset // real, (field.offset + ffi().sizeof(field.type)) // real)
@@ -82,7 +82,7 @@ def named(struct: str, data: NDArray[Any]) -> Any:
 
 
 def packed(struct: str, /, *rest: ArrayLike, **values: ArrayLike) -> NDArray[np.float64]:
-    """Return the flat data of a struct of jo_reals, and the numbers after it."""
+    """Return the flat data of a struct of jo_reals, and the numbers that follow it in memory."""
     data = rows(struct, 1, {name: np.asarray(value)[None] for name, value in values.items()})[0]
     return np.concatenate([data, *(np.ravel(x) for x in rest)]) if rest else data
 

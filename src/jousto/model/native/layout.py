@@ -54,7 +54,7 @@ class Layout:
     strict : bool
         Whether a singular position is an error.
     implicit : bool
-        Whether the pattern of Newton's matrix is included; always for beams.
+        Whether the pattern of Newton's matrix is included; it always is for beams.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class Layout:
         self.model = self._native_model()
 
     def _native_model(self) -> Any:
-        """Return the jo_model, with the constants of an existing engine of the model if any."""
+        """Return the jo_model; an existing engine of the model shares its constants."""
         m = self._source
         # user functions report exceptions to one engine, and may refer to the model
         own = bool(self._override) or any(force.function is not None for force in m.forces)
@@ -114,7 +114,7 @@ class Layout:
         return model
 
     def memory(self) -> tuple[list[NDArray[np.float64]], list[Any]]:
-        """Return the numbers and structs of the model as they lie in memory."""
+        """Return the numbers and structs of the model in their order in memory."""
         laid = self._keep[0].keep
         return [x for x in laid if isinstance(x, np.ndarray)], [
             x for x in laid if not isinstance(x, np.ndarray)
@@ -141,7 +141,7 @@ class Layout:
         return pointer
 
     def _cast(self, struct: str, array: Any, key: tuple[str, int, str]) -> Any:
-        """Return `_constant` as a pointer to structs."""
+        """Return the array of `_constant` as a pointer to structs."""
         return self._ffi.cast(f"{struct} *", self._constant(array, key))
 
     def _place(self, flat: NDArray[Any]) -> Any:
@@ -262,7 +262,7 @@ class Layout:
         return model
 
     def _copied(self, kind: str, objects: Sequence[Any], more: int = 0) -> Any:
-        """Return structs filled with the equally named numbers of objects, types by kind.
+        """Return structs filled from objects, by equal names; `kind` selects the types.
 
         `more` empty structs follow.
         """
@@ -285,9 +285,10 @@ class Layout:
     def _refer(
         self, records: Records, kind: str, names: Sequence[str], sources: Sequence[Any]
     ) -> None:
-        """Copy arrays of the objects one after the other, and set the pointers of their structs.
+        """Copy arrays of the objects consecutively, and set the pointers of their structs.
 
-        Arrays of one name have one size; `kind` is the name of the objects in `override`.
+        All arrays with the same name have the same size; `kind` is the name of the objects in
+        `override`.
         """
         if not sources:
             return
@@ -308,7 +309,7 @@ class Layout:
             starts = starts + row.shape[1] * size
 
     def _fill(self, kind: str, values: Sequence[Any]) -> Any:
-        """Return structs of ints, or ints, with given values."""
+        """Return structs of ints, or plain ints, with given values."""
         array = self._structs(kind, len(values))
         if len(values):
             rows = chain.from_iterable(values) if isinstance(values[0], tuple) else values
@@ -451,7 +452,7 @@ class Layout:
         return structs
 
     def _on_hub(self, body: int) -> int:
-        """Return a marker on a body."""
+        """Return a marker on a body that is a hub."""
         return next(i for i, marker in enumerate(self._source.markers) if marker.body == body)
 
     def _signals(self) -> Any:

@@ -36,7 +36,7 @@ def ffi() -> Any:
 
 @functools.cache
 def _loaded(name: str) -> tuple[Any, Any]:
-    """Return a build and its path, without a check of its interface."""
+    """Return a build and its path, without checking its interface."""
     path = _path(name)
     if path is None:
         raise InputError(

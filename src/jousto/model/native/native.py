@@ -154,7 +154,7 @@ class Engine:
         self._library.jo_start_states(self._model, self._data)
 
     def yield_forces(self) -> None:
-        """Set the states of forces that yield to those after a slow motion to q."""
+        """Update the states of yielding forces after a slow motion to q."""
         self._library.jo_yield(self._model, self._data)
 
     def accelerations(self) -> tuple[Scalars, Scalars]:
@@ -253,7 +253,7 @@ class Engine:
         return np.frombuffer(log, np.float64).reshape(count, 3).copy()
 
     def mark(self) -> Callable[[], None]:
-        """Return a function that restores the present state of the engine."""
+        """Return a function that restores the current state of the engine."""
         size, done = int(self._library.jo_data_bytes(self._model)), self.steps_done
         memory = bytes(self._ffi.buffer(self._data, size))
 
@@ -268,7 +268,7 @@ class Engine:
         self._library.jo_restart(self._data)
 
     def follow(self, solver: Any, last: int, tries: int, rows: Scalars) -> tuple[str, int]:
-        """Advance with error control until `rows` is full, row `last` written or `tries` spent.
+        """Advance with error control to the end of `rows`, to row `last`, or for `tries` steps.
 
         Rows are at times ``start + k step``; the first call begins at the present state, row 0,
         later calls continue from the previous one.
@@ -295,7 +295,7 @@ class Engine:
         return kind("jo_status", status), int(written[0])
 
     def row(self) -> Scalars:
-        """Return the present state as one row of `run`."""
+        """Return the current state as one row of `run`."""
         out = np.zeros(self.row_size, self.dtype)
         self._check(self._library.jo_row(self._model, self._data, self._pointer(out)))
         return out
@@ -315,7 +315,7 @@ class Engine:
         return int(self._library.jo_data_error_index(self._data))
 
     def energy(self) -> Scalars:
-        """Return kinetic, strain and potential energy and that of the springs (4,), J."""
+        """Return kinetic, strain, potential and spring energy (4,), J."""
         out = np.zeros(len(places("jo_energies")), self.dtype)
         self._library.jo_energy(
             self._model, self._data, self._ffi.cast("jo_energies *", out.ctypes.data)
@@ -330,9 +330,9 @@ class Engine:
 
     @cached_property
     def row_metres(self) -> NDArray[np.float64]:
-        """Length in m of one unit of each constraint row, (nrow,).
+        """Return the length in m that one unit of each constraint row represents, (nrow,).
 
-        It is 1 for a row that is a length, the size of the mechanism for an angle or a cosine.
+        It is 1 for a row that is a length, and the size of the mechanism for an angle or a cosine.
         """
         out = np.zeros(self.model.nrow, self.dtype)
         self._library.jo_row_metres(self._model, self._pointer(out))
@@ -468,7 +468,7 @@ class Engine:
         beta: float = 0.0,
         **options: Any,
     ) -> Any:
-        """Return a jo_solver of a jo_method such as "rk4"; the options are its other fields."""
+        """Return a jo_solver of a method such as "rk4"; other arguments are its fields."""
         self._needs_newton()
         solver = self._ffi.new("jo_solver *")
         solver.method = kinds("jo_method")[method]
@@ -494,7 +494,7 @@ class Engine:
         return self._model
 
     def count(self, pointer: Any) -> int:
-        """Return the number of structs or numbers behind a pointer of the jo_model."""
+        """Return how many structs or numbers a pointer of the jo_model leads to."""
         return self._layout.counts[int(self._ffi.cast("uintptr_t", pointer))]
 
     @property
@@ -550,7 +550,7 @@ class Engine:
 
 
 class _Memory:
-    """Engine memory for NumPy; it stays allocated as long as a view of it exists."""
+    """Engine memory for NumPy; it stays allocated while a view of it exists."""
 
     def __init__(self, owner: Any, address: int, count: int, dtype: np.dtype[Any]) -> None:
         self._owner = owner

@@ -1,4 +1,4 @@
-"""Damage on planes at sites: the engine's count of shear lines and normal stresses."""
+"""Damage on planes at sites: the engine counts shear along lines and normal stresses."""
 
 from __future__ import annotations
 

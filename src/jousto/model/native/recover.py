@@ -88,7 +88,7 @@ class Recovery:
         high_at: Longs,
         w: Array | None = None,
     ) -> None:
-        """Update low and high (ns,) and their instants by those of p, counted from `first`."""
+        """Update low and high (ns,) and their instants with values at p; instants from `first`."""
         p = np.ascontiguousarray(p, dtype=np.float64)
         for x in (low, low_at, high, high_at):
             assert x.shape == (self.ns,) and x.flags.c_contiguous and x.itemsize == 8

@@ -23,7 +23,7 @@ class Tableau:
     Attributes
     ----------
     order, stages : int
-        Stages are 0 if the family of the method has no tableau.
+        Order, and number of stages; 0 stages if the family of the method has no tableau.
     A, Gamma : (s, s) arrays
         Explicit and implicit coefficients; those of an explicit method are 0.
     b : (s,) array

@@ -77,7 +77,7 @@ def beam_models(mechanism: Mechanism, index: dict[int, int]) -> tuple[BeamModel,
 def warn_beams(mechanism: Mechanism) -> None:
     """Warn about tension beyond the stability limit of the linear law, by weight and initial spin.
 
-    The largest tension is the own weight of a hanging beam, and ``m w^2 L/2`` of a beam that
+    The largest tension is the weight of a hanging beam itself, or ``m w^2 L/2`` of a beam that
     rotates about an end.
     """
     for beam in mechanism.beams:

@@ -59,7 +59,7 @@ class Builder:
         self._places: dict[Any, int] = {}
 
     def marker(self, marker: Marker, turns: bool, *, shared: bool = True) -> int:
-        """Return the index of a frame; `turns` if its rotation is needed at every evaluation.
+        """Return the index of a frame; `turns`: its rotation is needed at every evaluation.
 
         Frames that are `shared` are searched first: joints at one node use one frame.
         """
@@ -124,7 +124,7 @@ class Builder:
         return self._rows(coupling.name, sides, False, (), lines, release=release)
 
     def friction(self, friction: Friction, joint: int) -> int:
-        """Return the index of a friction of joint `joint`; to be added after all other rows."""
+        """Return the index of the friction of joint `joint`; call it after all other rows."""
         places = [self.declared(s) for s in friction.coordinates]
         law = friction.law
         lock = -1
@@ -169,7 +169,7 @@ class Builder:
         return len(self.joints) - 1
 
     def signal(self, signal: Signal | None) -> int:
-        """Return the index of a signal, -1 for none."""
+        """Return the index of a signal, -1 for None."""
         if signal is None:
             return -1
         key = ("signal", id(signal))
@@ -178,7 +178,7 @@ class Builder:
         return self._places[key]
 
     def _signal(self, signal: Signal) -> int:
-        """Append a signal after its terms; the engine combines two terms at a time."""
+        """Append a signal after its terms, since the engine combines two terms at a time."""
         law = signal.law
         count = law.count if law.event is None else self._events[id(law.event)]
         if signal.parts:
@@ -202,7 +202,7 @@ class Builder:
         return len(self.signals) - 1
 
     def force(self, force: ForceElement) -> int:
-        """Return the index of a force, of the first law if it has several."""
+        """Return the index of a force, or of its first law if it has several."""
         self.force_places[id(force)] = place = len(self.forces)
         release = self._releases.get(id(force), -1)
         for push in force.pushes:

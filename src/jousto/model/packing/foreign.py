@@ -1,4 +1,4 @@
-"""Models of other programs: indices of exchanged values, and functions that do not support them."""
+"""Models of other programs: indices of exchanged values, and checks where they are unsupported."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from jousto.model.model import FmuModel, Model, SensorModel
 
 
 def fmu_models(mechanism: Mechanism, sensors: tuple[SensorModel, ...]) -> tuple[FmuModel, ...]:
-    """Return the foreign models of a mechanism; `sensors` are the sensors of the model."""
+    """Return the models of other programs in a mechanism; `sensors` are those of the model."""
     offsets = {id(s): m.offset for s, m in zip(mechanism.sensors, sensors, strict=False)}
     made = []
     for fmu in mechanism.fmus:
@@ -21,7 +21,7 @@ def fmu_models(mechanism: Mechanism, sensors: tuple[SensorModel, ...]) -> tuple[
 
 
 def without_fmus(model: Model | Mechanism, where: str, why: str) -> None:
-    """Raise InputError for a model with foreign models.
+    """Raise InputError if a model contains models of other programs.
 
     Raises
     ------

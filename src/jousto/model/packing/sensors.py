@@ -19,7 +19,7 @@ NOT_UNIQUE = " (not unique: least norm)"
 
 
 class Places:
-    """Engine indices of measured objects; frames used by sensors only are stored separately.
+    """Engine indices of measured objects; frames only for sensors are stored separately.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def flag_reactions(
     names: tuple[str, ...],
     rubbing: tuple[int, ...],
 ) -> tuple[SensorModel, ...]:
-    """Return the sensors, with a remark for reactions and friction that are not unique.
+    """Return the sensors, with a note on reactions and friction that are not unique.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Rank analysis: redundant constraints, and the motions that remain."""
+"""Rank analysis: redundant constraints, and the motions left free."""

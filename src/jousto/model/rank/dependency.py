@@ -45,7 +45,7 @@ class Turn:
     vanishing : array (d, r)
         Combinations of the rows that vanish.
     kept : array (k, r)
-        Combinations that form a new front.
+        Combinations of the rows that form a new front.
     new : int
         Index of the new front.
     """
@@ -57,13 +57,13 @@ class Turn:
 
 
 def bodies_of(model: Model, joint: JointModel) -> tuple[int, ...]:
-    """Return the moving bodies of a joint."""
+    """Return the moving bodies that a joint connects."""
     found = {model.markers[side].body for side in joint.sides}
     return tuple(sorted(body for body in found if body >= 0))
 
 
 def joint_fronts(model: Model, engine: Engine, rows: int) -> list[Front]:
-    """Return the first `rows` rows of C' v in the mass metric, unit length, by joints.
+    """Return the first `rows` rows of C' v, in the mass metric and of unit length, by joints.
 
     Bodies without a common joint are moved at once, so that the effort is linear in the size of the
     mechanism.

@@ -1,4 +1,4 @@
-"""Bodies that can move: to first order at a position, and at neighbouring positions."""
+"""Bodies that can move, to first order at a position and at neighbouring positions."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def moving(model: Model, q: Array) -> set[str]:
 
 
 def _led(model: Model) -> set[str]:
-    """Return the bodies of a tree with a link without drive between them and the ground."""
+    """Return the bodies of a tree that have an undriven link between them and the ground."""
     moves: list[bool] = []
     for link in model.links:
         before = link.parent >= 0 and moves[link.parent]
@@ -62,7 +62,7 @@ def _led(model: Model) -> set[str]:
 
 
 def _projected(model: Model, engine: Engine) -> Array:
-    """Return the largest magnitudes (nv,) of projected random motions in units of unit mass."""
+    """Return the largest magnitudes (nv,) of random free motions, in units of unit mass."""
     random = np.random.default_rng(0)
     masses = _MassFactors(model, engine)
 
@@ -82,7 +82,7 @@ def _projected(model: Model, engine: Engine) -> Array:
 
 
 class _MassFactors:
-    """Cholesky factors ``M = L L^T`` of all bodies, those of equal size in one array.
+    """Cholesky factors ``M = L L^T`` of all bodies; factors of equal size in one array.
 
     Velocities are [R' (world), w (local), p'] of every body; M is resolved in the body frame.
     """
@@ -99,7 +99,7 @@ class _MassFactors:
             self._groups.append((columns, np.linalg.cholesky(M), np.stack(A)))
 
     def to_velocities(self, x: Array) -> Array:
-        """Return the velocities (nv,) from coordinates of unit mass, ``L^-T x``."""
+        """Return velocities (nv,) from coordinates with unit mass matrix, ``L^-T x``."""
         v = np.zeros_like(x)
         for columns, L, A in self._groups:
             part = np.linalg.solve(np.swapaxes(L, 1, 2), x[columns][..., None])
@@ -108,7 +108,7 @@ class _MassFactors:
         return v
 
     def to_unit_mass(self, v: Array) -> Array:
-        """Return the coordinates of unit mass (nv,) from velocities, ``L^T v``."""
+        """Return coordinates with unit mass matrix (nv,) from velocities, ``L^T v``."""
         x = np.zeros_like(v)
         for columns, L, A in self._groups:
             part = v[columns][..., None]
@@ -118,7 +118,7 @@ class _MassFactors:
 
 
 def without_drives(model: Model) -> Model:
-    """Return the model without rows of signals, and without sticking friction."""
+    """Return the model without rows that depend on signals, and without sticking friction."""
     kept: list[JointModel] = []
     row = 0
     for joint in model.joints:
@@ -142,7 +142,7 @@ def without_drives(model: Model) -> Model:
 
 
 def neighbour(model: Model) -> Array | None:
-    """Return a position (nq,) a small distance along a free motion, None if there is none."""
+    """Return a nearby position (nq,) along a free motion, None without such a motion."""
     engine = Engine(replace(model, redundant=True), implicit=False)
     metres = velocity_metres(model) / model.size
     engine.v[:] = np.random.default_rng(0).standard_normal(model.nv) / metres

@@ -102,7 +102,7 @@ class Redundancy:
 
 
 def _some(items: Sequence[str], between: str) -> str:
-    """Return the items as text; of many items only the first."""
+    """Return items joined as text; if there are many, only the first ones."""
     more = len(items) - LISTED
     if more <= 1:
         return between.join(items)
@@ -128,7 +128,7 @@ def constraint_matrix(model: Model, engine: Engine) -> Array:
 
 
 def unit_rows(model: Model, engine: Engine) -> Array:
-    """Return Cq L^-T with M = L L^T, rows scaled to length 1: S = Cq M^-1 Cq^T in unit diagonal."""
+    """Return Cq L^-T with M = L L^T and rows of length 1, so that S has a unit diagonal."""
     G = constraint_matrix(model, engine)
     for i, body in enumerate(model.bodies):
         columns = slice(body.iv, body.iv + 6 + body.n)
@@ -202,7 +202,7 @@ def _inertia_ratio(body: BodyModel) -> float:
 
 
 def _repeated_nearby(model: Model) -> int:
-    """Return the number of redundant rows a small distance along a free motion."""
+    """Return the number of redundant rows at a nearby position along a free motion."""
     engine = Engine(replace(model, redundant=True), implicit=False)
     metres = velocity_metres(model) / model.size
     engine.v[:] = np.random.default_rng(0).normal(size=model.nv) / metres
@@ -231,9 +231,9 @@ def place(joint: JointModel) -> str:
 
 
 class _Spare:
-    """Rows that can be left out without an additional free motion.
+    """Search for rows that can be left out without adding a free motion.
 
-    The rank is unchanged without the rows R if the rows R of Y are independent; the remaining
+    Without the rows R the rank is unchanged if the rows R of Y are independent; the remaining
     dependencies are the part of Y that vanishes on R.
     """
 
@@ -262,7 +262,7 @@ class _Spare:
 
 
 def _advice(Y: Array, joints: Sequence[JointModel]) -> list[str]:
-    """Return replacements: drop wholly redundant joints, drives first; then free rotations."""
+    """Return advice: drop wholly redundant joints, drives first; then free single rotations."""
     spare = _Spare(Y)
     advice: list[str] = []
     gone: set[str] = set()
@@ -291,7 +291,7 @@ def _advice(Y: Array, joints: Sequence[JointModel]) -> list[str]:
 
 
 def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None:
-    """Raise InputError with every joint that assembly left open or in conflict.
+    """Raise InputError for every joint left open or in conflict after assembly.
 
     Parameters
     ----------
@@ -336,7 +336,7 @@ def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None
 
 
 def disagreement(model: Model, q: Array, time: float) -> str:
-    """Return the most open joint at a position, the joints in conflict with it, and the remedy.
+    """Return the joint with the largest gap, the joints in conflict with it, and the remedy.
 
     Parameters
     ----------
