@@ -54,6 +54,6 @@ def actuator_forces(actuator: Actuator, s: Coordinate | None) -> list[Any]:
 
 
 def scaled_signal(u: Signal, factor: float, offset: float) -> Signal:
-    """Return the signal ``factor u + offset``, without a factor 1 or an offset 0."""
+    """Return the signal ``factor u + offset``, simplified if the factor is 1 or the offset 0."""
     made = u if factor == 1.0 else factor * u
     return made if offset == 0.0 else made + offset

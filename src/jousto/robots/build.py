@@ -70,11 +70,11 @@ def mechanism(
 
     A joint of the robot becomes a joint of the same name, a link becomes a body; a link without
     mass gets a millionth of the mass and inertia of its children. A mimic joint has a `Coupling`. A
-    rotor (armature) is a wheel on the ground coupled to its joint. Each joint with one coordinate
-    has a `CoordinateSensor` of its name.
+    rotor (armature) becomes a wheel on the ground coupled to its joint. Each joint with one
+    coordinate has a `CoordinateSensor` of its name.
 
-    A limit is a `Stop`, ``k = max(M (2 pi 50 Hz)^2, effort / 0.01 rad)`` (1 mm for slides), with
-    the effective inertia M of the joint at coordinate zero. Its restitution applies to impacts
+    A limit becomes a `Stop`, ``k = max(M (2 pi 50 Hz)^2, effort / 0.01 rad)`` (1 mm for slides),
+    with the effective inertia M of the joint at coordinate zero. Its restitution applies to impacts
     above 0.1 rad/s or 20 mm/s, or above a twentieth of the largest rate of the joint.
 
     Parameters
@@ -82,7 +82,7 @@ def mechanism(
     robot : Robot
         Robot from `read_urdf` or another reader.
     gravity : (3,) array_like, optional
-        Gravitational acceleration, m/s2; None is that of the robot, (0, 0, -9.81) in most files.
+        Gravitational acceleration, m/s2; None: gravity of the robot, (0, 0, -9.81) in most files.
     at : dict of str to float, optional
         Initial coordinates, rad or m, by names of joints or of coordinates (``elbow.angle``). The
         default is the initial value of a drive, or zero, or the limit nearest to zero.
@@ -98,13 +98,14 @@ def mechanism(
     efforts : dict of str to Signal or float, optional
         Forces on joints by name, N m or N, such as ``jo.Input("u")``.
     actuators : bool
-        Whether to include motors and servos of the file, each with an `Input` of its name and the
-        initial value 0, as in MuJoCo; never those on a joint in `drives` or `efforts`.
+        Whether to include motors and servos of the file, each with an `Input` of the same name with
+        the initial value 0, as in MuJoCo; never those on a joint in `drives` or `efforts`.
 
     Raises
     ------
     InputError
-        If a joint does not exist, has not one coordinate, or starts outside its limits.
+        If a joint does not exist, does not have exactly one coordinate, or starts outside its
+        limits.
 
     See Also
     --------
@@ -175,7 +176,7 @@ def build_robot(
 def check_joints(
     problems: Problems, robot: Robot, given: Mapping[str, Mapping[str, Any]], stops: bool | float
 ) -> None:
-    """Add problems for joints that do not exist or have not one coordinate, and invalid starts."""
+    """Add problems for joints that do not exist or lack a single coordinate, and invalid starts."""
     ends = ends_of(robot, stops) if given.get("at") else {}
     for key, named in given.items():
         for name, value in named.items():
@@ -206,7 +207,7 @@ def by_joint(given: Mapping[Any, Any]) -> dict[Any, Any]:
 
 
 def ends_of(robot: Robot, stops: bool | float) -> dict[str, tuple[float, float]]:
-    """Return the limits of joints, rad or m, including those of joints that follow them.
+    """Return the limits of joints, rad or m; limits of mimic joints limit the joint they follow.
 
     Without stops the result is empty, since joints may then start anywhere.
     """
@@ -242,7 +243,7 @@ def wrong_start(
 
 
 def make_bodies(robot: Robot, poses: Mapping[str, Frame], seat: Seat) -> dict[str, RigidBody]:
-    """Return the bodies by the names of their links, without a fixed base that is not drawn.
+    """Return the bodies by the names of their links, except a fixed base that is not drawn.
 
     A base without mass gets a millionth of the mass of its children, which has no noticeable
     effect, so that it can be drawn.
@@ -323,7 +324,7 @@ def free_name(name: str, taken: set[str]) -> str:
 def initial_coordinates(
     tree: Tree, at: Mapping[str, float], kinds: Mapping[str, str]
 ) -> dict[str, float]:
-    """Return the initial coordinates of joints: given ones, or zero clipped to the limits."""
+    """Return the initial coordinates of joints: given ones, or zero moved to the nearest limit."""
     found = {name: float(x) for name, x in at.items()}
     usual = dict(zip(tree.positions, map(float, tree.initial), strict=True))
     for name, low, high in zip(tree.velocities, tree.lower, tree.upper, strict=True):

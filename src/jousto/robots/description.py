@@ -241,7 +241,7 @@ class Robot:
     gravity : (3,) array
         Gravitational acceleration, m/s2.
     loops : tuple of RobotJoint
-        Joints that close loops of the tree; they have no own coordinates.
+        Joints that close loops of the tree; they have no coordinates of their own.
     actuators : tuple of Actuator
         Motors and servos.
     """

@@ -51,7 +51,7 @@ class BaseField(Field["Marker | RigidBody | Ground | None", "Marker"]):
     noun = "RigidBody or Marker"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the marker, for a body that of its origin."""
+        """Return the marker; for a body, the marker at its origin."""
         if isinstance(value, RigidBody | Ground):
             return value["origin"]
         if not isinstance(value, Marker):
@@ -70,7 +70,7 @@ class Prefix(OptionalText):
 
 
 class Stops(AnyField):
-    """Field with True or False for stops, or their stiffness."""
+    """Field with stops of joints: True, False, or their stiffness."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return True, False or the stiffness."""

@@ -126,7 +126,7 @@ class Loops:
         return [row for closure in self.closures for row in self._of(view, closure)]
 
     def missing(self, view: View) -> tuple[Array, Array]:
-        """Return residuals (m,) in m and their Jacobian (m, nv); excesses over limits come last."""
+        """Return residuals (m,) in m and their Jacobian (m, nv), with excesses over limits last."""
         rows = self.rows(view)
         rows += [row for bound in self.bounds for row in self._excess(view, bound)]
         values = np.array([row.scale * row.value for row in rows])
@@ -213,7 +213,7 @@ class Loops:
 
 
 def middle_turn(bound: Bound, s: float) -> float:
-    """Return a coordinate; angles are changed by whole turns to be near the mean of the limits."""
+    """Return a coordinate; whole turns bring an angle near the middle of its limits."""
     middle = 0.5 * (bound.lower + bound.upper)
     if bound.of.kind != "angle" or not np.isfinite(middle):
         return s

@@ -53,7 +53,7 @@ OF_ROBOT: dict[str, type[Joint]] = {
 
 @dataclass(frozen=True, eq=False)
 class Carried:
-    """Body: mass, kg, centre of mass, m, inertia about it, kg m2, in its frame, and its pose."""
+    """Body of a tree: mass, centre of mass, inertia about it, in its frame, and its pose; SI."""
 
     name: str
     mass: float
@@ -331,7 +331,7 @@ def closure_of(joint: RobotJoint, numbers: dict[str, int]) -> Closure:
 
 
 def mimic_relation(robot: Robot, joint: RobotJoint) -> Relation:
-    """Return ``q - multiplier q_other = offset``."""
+    """Return the relation ``q - multiplier q_other = offset`` of a mimic joint."""
     mimic = joint.mimic
     assert mimic is not None
     other = next(x for x in robot.joints if x.name == mimic.joint)

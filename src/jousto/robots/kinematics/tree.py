@@ -192,7 +192,7 @@ class Tree:
         ]
 
     def _limit(self, limits: Mapping[str, Any]) -> None:
-        """Set the limits; those of eliminated coordinates become limits of the free ones."""
+        """Set the limits; limits of eliminated coordinates become limits of the free ones."""
         lower, upper = np.full(self.nv, -np.inf), np.full(self.nv, np.inf)
         rows = {name: i for i, name in enumerate(self._scalar)}
         problems = Problems()

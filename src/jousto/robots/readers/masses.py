@@ -56,7 +56,7 @@ def merge_and_check(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Ro
 
 
 def held_links(made: Robot) -> set[str]:
-    """Return the names of links that do not move."""
+    """Return the names of links that are fixed to the ground."""
     held = {made.links[0].name} if made.fixed_base else set()
     for joint in made.joints:  # parents precede children
         if joint.kind == "fixed" and joint.parent in held:
@@ -67,7 +67,7 @@ def held_links(made: Robot) -> set[str]:
 def without_idle_inertia(
     add: Adder, made: Robot, whole: Robot, homes: dict[str, str]
 ) -> tuple[Link, ...]:
-    """Return merged links, without the inertia of links of zero mass; warn of these links."""
+    """Return merged links, without inertia for links of zero mass, with a warning for these."""
     empty = {link.name for link in whole.links if link.mass == 0.0}
     for link in made.links:
         if link.mass == 0.0 and homes[link.name] in empty and np.any(link.inertia != 0.0):
@@ -79,7 +79,7 @@ def without_idle_inertia(
 
 
 def fix_massless_joints(add: Adder, made: Robot) -> Robot:
-    """Return the robot with its massless joints fixed; add problems for massless moving links.
+    """Return the robot with joints of massless links fixed; add problems for massless moving links.
 
     A problem is a moving link without mass whose joint cannot be fixed.
     """

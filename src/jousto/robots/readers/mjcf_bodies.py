@@ -87,7 +87,7 @@ class Bodies:
     def flat(
         self, element: Element, at: Frame, inherited: str
     ) -> Iterator[tuple[Element, Frame, str]]:
-        """Yield the elements in a body, also those in its <frame>s, with pose and class."""
+        """Yield the elements of a body with pose and class, also those inside its ``<frame>``."""
         for child in element.children:
             if child.tag == "frame":
                 inner = child.given.get("childclass", inherited)
@@ -296,7 +296,7 @@ class Bodies:
         return values if kind != "free" else {}
 
     def limited(self, element: Element, word: str, span: str) -> bool:
-        """Return whether the range of a joint is a limit."""
+        """Return whether the range of a joint acts as a limit."""
         value = element.given.get(word, "auto")
         if value == "auto":
             return self.settings.limits and span in element.given
@@ -386,7 +386,7 @@ class Bodies:
         self.inside(found[0], link, at, found[1])
 
     def inside(self, element: Element, link: Link, at: Frame, inherited: str) -> None:
-        """Read an element as contents of a link that was read before."""
+        """Read an element of the model as contents of a link that exists already."""
         inner = [(element, at, inherited)]
         if element.tag == "frame":
             own = element.given.get("childclass", inherited)

@@ -52,7 +52,7 @@ class Collected:
 
 
 def turned_back(joint: RobotJoint) -> Frame:
-    """Return the pose of a body at coordinate 0 of its joint, relative to its pose in the file."""
+    """Return the pose of a body at coordinate 0 of its joint, relative to that in the file."""
     size = float(np.linalg.norm(joint.axis))
     if joint.initial == 0.0 or size == 0.0:
         return Frame()

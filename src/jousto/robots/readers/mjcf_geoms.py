@@ -145,7 +145,7 @@ class Geoms:
         return np.asarray(points[corners.astype(np.intp).reshape(-1, 3)]), ""
 
     def read(self, element: Element, at: Frame, *, weighed: bool) -> Geom | None:
-        """Return a geom, or None for one without volume; with mass if `weighed`."""
+        """Return a geom, with mass if `weighed`; None for a geom without volume."""
         kind = element.given.get("type", "sphere")
         if kind == "mesh" and "mesh" not in element.given:
             self.reading.add(element, "names no mesh")
@@ -190,7 +190,7 @@ class Geoms:
         return mass
 
     def grouped(self, element: Element) -> bool:
-        """Return whether the group of a geom has mass."""
+        """Return whether geoms in the group of a geom have mass."""
         low, high = self.places.settings.groups
         return bool(low <= self.reading.number(element, "group", 0.0) <= high)
 

@@ -143,7 +143,7 @@ def _class(element: Element, above: dict[str, dict[str, str]], spare: str, found
 
 
 def override(given: dict[str, str], by: dict[str, str]) -> dict[str, str]:
-    """Return attributes updated by others; a new one removes those of its exclusive group."""
+    """Return attributes updated by others; a new attribute removes its alternatives."""
     gone = {x for words in EXCLUSIVE if any(word in by for word in words) for x in words}
     return {key: value for key, value in given.items() if key not in gone} | by
 

@@ -39,7 +39,7 @@ class Tied:
 
 
 def each_copy(bodies: Bodies, element: Element) -> Iterator[Element]:
-    """Yield an element, or a copy for each replica of the elements to which it refers."""
+    """Yield an element, or one copy for each replica of the elements that it names."""
     given, copies = element.given, bodies.copies
     named = [key for key in NAMES if given.get(key) in copies]
     if not named:
@@ -56,7 +56,7 @@ def each_copy(bodies: Bodies, element: Element) -> Iterator[Element]:
 
 
 def read_ties(bodies: Bodies) -> list[Tied]:
-    """Set the joints that follow others; return the ``connect`` and ``weld`` equalities."""
+    """Set mimic relations of joints, and return the equalities ``connect`` and ``weld``."""
     if {"equality", "constraint"} & bodies.settings.off:
         return []
     found: list[Tied] = []
@@ -75,7 +75,7 @@ def read_ties(bodies: Bodies) -> list[Tied]:
 
 
 def _follow(bodies: Bodies, element: Element) -> None:
-    """Set a joint to follow another one, or add a warning if that is not possible.
+    """Set a joint to follow another joint, or add a warning if this is impossible.
 
     ``q1 - q1_0 = a0 + a1 (q2 - q2_0) + ...`` with the reference coordinates q_0.
     """

@@ -72,7 +72,7 @@ def _inside(element: Element, scoped: Callable[[str], str]) -> Element:
 
 
 def _axis(element: Element, model: str, old: bool) -> Element:
-    """Return an axis, with the frame of its nested model if the file refers to the model frame."""
+    """Return an axis; a reference to the model frame becomes one to the nested model."""
     if element.tag not in ("axis", "axis2"):
         return element
     flag = element.first("use_parent_model_frame")

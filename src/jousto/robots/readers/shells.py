@@ -72,7 +72,7 @@ def _pyramids(triangles: Array, apex: Array, center: Array | None = None) -> Sol
 def _moments(
     share: Array, triangles: Array, n: float, k: float, apex: Array, center: Array | None = None
 ) -> Solid:
-    """Return the weighted sum of triangles (k = 3) or of pyramids over them (k = 4) as a solid."""
+    """Return weighted triangles (k = 3) or pyramids on them (k = 4), summed as a solid."""
     total = float(share.sum())
     a, b, c = np.moveaxis(triangles - apex, 1, 0)
     s = a + b + c
