@@ -41,7 +41,7 @@ def settle(model: Model, state: State | None) -> State:
 
     Implicit steps of an overdamped motion, ``r(q + x) + s D x = 0`` under the constraints, reduce
     the potential energy: each step minimises the energy plus ``s x D x / 2`` (proximal point
-    method, Rockafellar 1976). The resistance s falls while steps converge quickly. Stiff
+    method, Rockafellar 1976). The resistance s is reduced while steps converge quickly. Stiff
     directions, such as the stretch of a rope, are in equilibrium after every step. D is the metric
     of `Balance.metric`, in which slender bodies have a larger rotary inertia about their axis.
 
@@ -88,7 +88,7 @@ class _Flow:
         self.fall = largest_speed(balance.model, r / self.metric)  # m/s2
 
     def step(self, start: Point, s: float) -> tuple[Point, float]:
-        """Return ``r(q + x, lam) + s D x = 0`` under the constraints, and the length of x.
+        """Return x and lam of one step, ``r(q + x, lam) + s D x = 0``, and the length of x.
 
         Raises
         ------
@@ -126,7 +126,7 @@ class _Flow:
             raise NoConvergenceError("a step raised the energy", most_moved_body(self.balance, x))
 
     def failed(self, at: Point, why: NoConvergenceError | None, limit: str) -> SimulationError:
-        """Return the error of a search that found no equilibrium, with its plastic limit."""
+        """Return the error of a search without equilibrium, which names the plastic limit."""
         balance = self.balance
         try:
             step, free = least_step(balance, at)

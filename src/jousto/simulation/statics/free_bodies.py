@@ -1,4 +1,4 @@
-"""Bodies without a link to the ground: no equilibrium under a load with a resultant."""
+"""Check for bodies without a link to the ground under a load with a resultant."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def check_adrift(model: Model, state: State | None) -> None:
 
 
 def _adrift(model: Model) -> list[list[int]]:
-    """Return the groups of linked bodies on which only loads of fixed direction act."""
+    """Return groups of linked bodies whose only outer loads have a fixed direction."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -74,7 +74,7 @@ def _adrift(model: Model) -> list[list[int]]:
 
 
 def _of_joint(model: Model, joint: JointModel) -> Iterator[int]:
-    """Yield the bodies of a joint."""
+    """Yield the bodies that a joint connects."""
     yield from (model.markers[side].body for side in joint.sides)
     for line in joint.lines:
         for place in line.coordinates:
@@ -87,7 +87,7 @@ def _of_coordinate(model: Model, place: int) -> Iterator[int]:
 
 
 def _of_force(model: Model, force: ForceModel) -> Iterator[int]:
-    """Yield the bodies that a force links; the ground if its resultant depends on positions."""
+    """Yield the bodies linked by a force, with the ground if its resultant depends on positions."""
     if force.body >= 0:
         yield force.body
     yield from (model.markers[side].body for side in (force.a, force.b) if side >= 0)

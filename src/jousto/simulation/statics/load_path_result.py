@@ -140,7 +140,7 @@ class LoadPath:
 
 
 class PathFailed(SimulationError):
-    """Error raised if a path cannot be followed to its end; `path` contains its points so far."""
+    """Error for a path that cannot be followed to its end; `path` contains its points so far."""
 
     def __init__(self, message: str, *, path: LoadPath, body: str = "") -> None:
         self.path = path

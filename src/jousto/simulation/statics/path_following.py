@@ -44,7 +44,7 @@ SHORTEST = 1e-4  # smallest step length over the first one
 
 
 class Walk:
-    """Path of equilibria under construction: its points, spectra, states and critical points."""
+    """Path of equilibria under construction: points, lowest modes, states and critical points."""
 
     def __init__(
         self,
@@ -126,7 +126,7 @@ class Walk:
         return True
 
     def _spectrum(self, point: Point) -> Spectrum:
-        """Return the WATCHED lowest modes, with the neutral modes stabilised."""
+        """Return the WATCHED lowest modes, after neutral modes have been stabilised."""
         return spectrum(self.balance, point, WATCHED + self.neutral, held=self.neutral > 0)
 
     # -- steps of the load
@@ -211,7 +211,7 @@ class Walk:
         return False
 
     def _closes(self, length: float) -> bool:
-        """Return whether the path is back at the first point of its branch."""
+        """Return whether the path has come back to the first point of its branch."""
         first, last = self.points[self.anchor], self.points[-1]
         if len(self.points) - self.anchor < 8:
             return False
@@ -219,7 +219,7 @@ class Walk:
         return bool(np.hypot(away, self.weight * (last.value - first.value)) < 0.7 * length)
 
     def _strays(self, last: Point, point: Point, ahead: Rates) -> bool:
-        """Return whether the iteration converged to a point behind the last one."""
+        """Return whether the iteration converged to a point behind the last point of the path."""
         x = self.balance.between(last.q, point.q)
         nv = self.balance.model.nv
         forward = float((self.balance.weights * x) @ ahead.step[:nv])
@@ -287,7 +287,7 @@ class Walk:
         return goes_on
 
     def _crossing(self, fraction: Callable[[float], Point], place: int) -> CriticalPoint:
-        """Return the point where mode `place`, ascending, has omega^2 = 0 (Illinois rule)."""
+        """Return the point where omega^2 of mode `place` (ascending order) is 0 (Illinois rule)."""
         self.balance.go_back(self.states[-2])
         left, right = 0.0, 1.0
         fl, fr = (self._ascending(self.spectra[i], place)[0] for i in (-2, -1))
@@ -334,7 +334,7 @@ class Walk:
         return float(values[k]), np.real(found.shapes[:, k])
 
     def _kind(self, point: Point, shape: Array) -> str:
-        """Return "limit" if the load has a component along the critical mode, or "bifurcation"."""
+        """Return "limit" if the load changes along the critical mode, else "bifurcation"."""
         balance = self.balance
         nv = balance.model.nv
         push = balance.push(point.q, point.lam, point.value)

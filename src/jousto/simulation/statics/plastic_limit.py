@@ -1,4 +1,4 @@
-"""Plastic limit: springs without hardening that carry their full strength where a search fails."""
+"""Plastic limit: springs without hardening at their full strength where a search fails."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ FLAT = 1e-3
 
 
 def name_plastic_limit(engine: Engine, *positions: Array) -> str:
-    """Return the end of a message that names springs at their plastic limit, "" for none.
+    """Return the end of a message, with the springs at their plastic limit; "" without any.
 
-    A spring carries its full strength if it would yield with a strength smaller by 1 %.
+    A spring counts as fully loaded if it would yield at a strength smaller by 1 %.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def _weakened(force: ForceModel) -> ForceModel:
 
 
 def _is_flat(force: ForceModel, before: Array, after: Array) -> bool:
-    """Return whether a spring has yielded, and the plastic modulus there is about zero."""
+    """Return whether a spring has yielded with a plastic modulus of about zero."""
     place = {name: force.state + k for k, name in enumerate(force.state_names)}
     flow = after[place["plastic"]] - before[place["plastic"]]
     if flow == 0.0:

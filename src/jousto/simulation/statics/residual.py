@@ -112,7 +112,7 @@ class Balance:
         self.gauge = self.axis is not None and self._turns_freely()
 
     def _let_go(self) -> None:
-        """Release all sticking frictions; coordinates locked by events stay locked."""
+        """Release all joints that stick by friction; coordinates locked by events stay locked."""
         self.engine.slip[:] = 0
         self.engine.direction[:] = 0
         for friction in self.model.frictions:
@@ -136,7 +136,7 @@ class Balance:
         return int(self.model.nv + self.model.nrow + self.gauge)
 
     def at(self, q: Any, lam: Any, value: Any, twin: bool = False) -> Engine:
-        """Return the engine, or the complex engine, set to positions, multipliers, parameter."""
+        """Return the (complex) engine at given positions, multipliers and parameter."""
         engine = self.engine
         if twin:
             if self._twin is None:
@@ -265,7 +265,7 @@ class Balance:
         return np.asarray(np.maximum(out, LIGHT * most[kinds]))
 
     def _matrix(self, engine: Engine) -> Any:
-        """Return ``[K, Cq^T; Cq, 0]`` without the border; K includes terms of the rotation."""
+        """Return ``[K, Cq^T; Cq, 0]`` without the border; K includes the terms of the rotation."""
         nv = self.model.nv
         A = newton_sparse(engine, 0.0, 0.0, 1.0).tocsr()
         K, Ct, rest = A[:nv, :nv], A[:nv, nv:], A[nv:, nv:]
@@ -324,12 +324,12 @@ class Balance:
         return out
 
     def go_back(self, state: State) -> None:
-        """Let forces have yielded as they had at a state."""
+        """Restore the plastic deformation of the forces at a state."""
         if state.states is not None:
             self.engine.states[:] = state.states
 
     def accept(self, q: Array, lam: Array, value: float) -> tuple[State, Array]:
-        """Return the state and its sensor values; count turns, and let forces yield."""
+        """Return the state and its sensor values, with updated turns and plastic deformation."""
         engine = self.at(q, lam, value)
         if len(engine.turn):  # revolution counters, updated by assemble
             engine.assemble(0)

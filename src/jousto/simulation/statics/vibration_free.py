@@ -34,9 +34,9 @@ def vibration_free_state(model: Model, state: State | None = None) -> State:
     """Return the state in which elastic bodies have the quasi-static shape of the motion.
 
     Bodies that start undeformed vibrate about the shape in equilibrium with loads and inertia
-    forces, whether drives, motors or initial velocities move the machine. In this state the modal
-    coordinates p fulfil ``M a + Cq^T lam = Q``, where p' and p'' are the slow change of this
-    shape, by finite differences along the motion. In a motion of the frequency W the remaining
+    forces, no matter whether drives, motors or initial velocities move the machine. In this state
+    the modal coordinates p fulfil ``M a + Cq^T lam = Q``, where p' and p'' are the slow change of
+    this shape, by finite differences along the motion. In a motion of the frequency W the remaining
     vibration of modes of the frequency w is of the order ``(W / w)^3`` of the bending. Positions
     and velocities of the rigid motions remain; a free pose changes by the smallest rotation that
     the bending requires.
@@ -91,9 +91,9 @@ def vibration_free_state(model: Model, state: State | None = None) -> State:
 class _Motions:
     """Free motions at a position, orthonormal in metres.
 
-    `inverse` is the pseudoinverse of Cq. `rigid` are free motions without bending, `bending` the
-    other ones, (nv, f) each. `parts` (f, nv) maps a velocity to its coefficients of `rigid`,
-    `follow` maps modal rates to coefficients of `bending`.
+    `inverse` is the pseudoinverse of Cq. `rigid` contains the free motions without bending,
+    `bending` the other ones, (nv, f) each. `parts` (f, nv) maps a velocity to its coefficients of
+    `rigid`, `follow` maps modal rates to coefficients of `bending`.
     """
 
     inverse: Array
@@ -162,7 +162,7 @@ class _Slow:
         """Raise an error if the inertia of p' and p'' changes the bending by more than SLOW.
 
         In a slow motion the change is of the order ``(W / w)^2``, in the norm of the elastic
-        energy; if it is large, the neglected terms are large too.
+        energy; if this change is large, the neglected terms are large too.
         """
         K = np.concatenate([b.K for b in self._model.bodies])
         energy, other = (float(K @ p**2) for p in (still, settled - still))
@@ -184,7 +184,7 @@ class _Slow:
         return np.array(np.concatenate(parts))
 
     def _step(self, v: Array, a: Array) -> float:
-        """Return the step of the finite differences, s: the fastest body turns by SHORT in it."""
+        """Return the step s of finite differences, in which the fastest body turns by SHORT."""
         K = np.concatenate([b.K for b in self._model.bodies])
         fastest = REST * float(np.sqrt(K[K > 0.0].min()))
         for b in self._model.bodies:
@@ -260,7 +260,7 @@ class _Slow:
         return np.asarray(v + free.bending @ (free.follow @ (rates - v[self._modal])))
 
     def _accelerations(self, engine: Engine, free: _Motions, modal: Array) -> Array:
-        """Return accelerations (nv,) that satisfy the constraints, with the given modal part.
+        """Return accelerations (nv,) that satisfy the constraints and have a given modal part.
 
         Their part along the free rigid motions is zero.
         """
