@@ -53,7 +53,7 @@ class Advice:
     explanation : tuple of str
         Reasons, as sentences.
     reached : bool
-        Whether the requested accuracy is reached.
+        Whether the modes reach the requested accuracy.
     """
 
     method: Method
@@ -262,7 +262,7 @@ def _choose(
 
 
 def _first(good: NDArray[np.bool_]) -> int | None:
-    """Return the smallest number of modes from which all values are good."""
+    """Return the smallest number of modes from which on all values are good."""
     bad = np.flatnonzero(~good)
     k = int(bad[-1]) + 1 if len(bad) else 0
     return k if k < len(good) else None

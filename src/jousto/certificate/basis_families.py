@@ -40,7 +40,7 @@ class Family:
     """Craig-Bampton bases of 0, 1, 2 ... fixed-interface modes, subspaces of the largest one.
 
     z are coordinates of the mass-orthonormal motions ``[R X]``; `fixed` are the fixed-interface
-    modes (columns, mass-normalised), `static` spans the rest: the constraint modes.
+    modes (columns, mass-normalised), `static` spans the remaining motions: the constraint modes.
     """
 
     full: FullModel
@@ -57,7 +57,7 @@ class Family:
 
 
 def modes_below(full: FullModel, limit: float, run: Run) -> tuple[Array, Array]:
-    """Return frequencies and mass-normalised modes of the full free part up to a limit."""
+    """Return frequencies, up to a limit, and mass-normalised modes of the full free part."""
     assert full.rigid is not None and full.held is not None
     rigid, held = full.rigid, full.held
     elastic = replace(held, lift=lambda y: rigid.remove(held.lift(y)))
@@ -80,8 +80,7 @@ def modes_below(full: FullModel, limit: float, run: Run) -> tuple[Array, Array]:
 def family_of(full: FullModel, names: tuple[str, ...], limit: float | None, run: Run) -> Family:
     """Return the bases of interfaces, with fixed-interface modes up to a frequency limit in Hz.
 
-    Without a limit, or without modes below it, the numbers tried are limited by the modes of the
-    part.
+    Without a limit, or without modes below it, the number of modes is limited by that of the part.
 
     Raises
     ------

@@ -54,7 +54,7 @@ class Diagnosis:
         Bodies that can move freely, that move by drives only, and that cannot move, at the initial
         and at neighbouring poses.
     dead : tuple of str
-        Bodies that cannot move at the initial pose only, a dead centre, but at neighbouring poses.
+        Bodies that cannot move at the initial pose (a dead centre) but can at neighbouring poses.
     redundancy : Redundancy or None
         Redundant rows.
     problems : tuple of Problem

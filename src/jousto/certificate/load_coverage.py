@@ -32,7 +32,7 @@ class Reach:
     Parameters
     ----------
     reduced : ReducedPart
-        Reduced part with its `source`.
+        Reduced part that contains its `source`, the full part.
     """
 
     def __init__(self, reduced: ReducedPart) -> None:
@@ -77,10 +77,10 @@ class Reach:
     def work(self, F: Array) -> tuple[Array, Array] | None:
         """Return the static work ``f^T u`` of loads (ndof, m) in the full part and in the modes.
 
-        The interfaces are fixed; ``u`` of the modes is their best approximation, so that their work
-        is at most that of the full part. Without interfaces, or if necessary modes were left out,
-        the body is free and accelerates. Loads carried by interfaces do no work. None if the full
-        part cannot be solved.
+        The interfaces are fixed; ``u`` of the modes is the best approximation by them, so that its
+        work is at most that of the full part. Without interfaces, or if necessary modes were left
+        out, the body is free and accelerates. Loads carried by interfaces do no work. None if the
+        full part cannot be solved.
         """
         full = self._full
         if full is None or full.rigid is None:

@@ -48,10 +48,10 @@ def unheld_loads(
     """Return loads outside of the modes: place, and a message with a remedy.
 
     The check covers loads between the interfaces: load patterns, forces and torques at nodes that
-    are no interface, and the weight of bodies with interfaces. The displacement of the modes is
-    their best approximation, so that the error of the stress in the energy norm is ``|s - s_r| /
-    |s| = sqrt(1 - W_r / W)``, with the static work W of the full model and W_r of the modes. Parts
-    from files are not checked, since they contain no full model.
+    are no interface, and the weight of bodies with interfaces. The modes approximate the
+    displacement as well as they can, so that the error of the stress in the energy norm is ``|s -
+    s_r| / |s| = sqrt(1 - W_r / W)``, with the static work W of the full model and W_r of the modes.
+    Parts from files are not checked, since they contain no full model.
 
     Parameters
     ----------
