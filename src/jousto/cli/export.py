@@ -66,9 +66,9 @@ def export(
 ) -> None:
     """Write a reduced part, results or a machine for other programs; the ending selects which.
 
-    Reduced parts: .vtu (ParaView, with modes and modal stress), .fem (MBDyn), .sid (standard
-    input data). Results: .csv (time and sensors), .pvd (ParaView, all bodies at all instants), .vtu
-    (at the last one). Models: .c (one file of C99 and its header), .zip (the same as a project),
+    Reduced parts: .vtu (ParaView, with modes and modal stress), .fem (MBDyn), .sid (standard input
+    data). Results: .csv (time and sensors), .pvd (ParaView, all bodies at all instants), .vtu (at
+    the last instant). Models: .c (one file of C99 and its header), .zip (the same as a project),
     .fmu (functional mock-up unit), .html (a page in which the machine runs, with a slider for each
     input); they use the method and the initial state of the model file. With --twin: a program that
     reads the strains of the block monitor and computes stress with its band, and damage.

@@ -109,7 +109,7 @@ def fatigue(
 ) -> None:
     """Count the cycles at every place and print damage and life.
 
-    With several bodies the output files are those of the body with the largest damage. A safety
+    With several bodies, the output files are for the body with the largest damage. A safety
     below 1 means that the required life (or one repeat) exceeds the permitted damage.
     """
     from jousto.fatigue.miner.check import FatigueCheck
@@ -216,7 +216,7 @@ def _events(
 
 
 def _block(run: Solution) -> Fatigue | None:
-    """Return the fatigue block of the model that a run was made of."""
+    """Return the fatigue block of the model whose results these are."""
     from jousto.schema.make.blocks.fatigue import parse_fatigue
 
     text = run.model_text

@@ -152,7 +152,7 @@ def machine_of_results(run: Solution, source: Path, given: Path | None, trust: b
     Raises
     ------
     InputError
-        If there is no text, or one that cannot be read here.
+        If the results contain no text, or a text that cannot be read here.
     """
     from jousto.schema.read import parse_model, read_model
 
@@ -212,7 +212,7 @@ def part_of(mechanism: Mechanism, body: str, file: Path | None) -> Part:
     Raises
     ------
     InputError
-        If the body has none, or the file is not known.
+        If the body has no part, or the file is not known.
     """
     from jousto.schema.read import read_part_file
 

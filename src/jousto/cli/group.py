@@ -124,7 +124,7 @@ def own_classes(path: Path) -> None:
     Raises
     ------
     InputError
-        If it is missing or fails.
+        If the file is missing or fails.
     """
     from jousto.base.files import check_input, executed
 

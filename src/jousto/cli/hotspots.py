@@ -123,7 +123,7 @@ def hotspots(
 
 
 def check_targets(targets: dict[Path | None, tuple[str, ...]]) -> None:
-    """Check the paths of output files before the computation; no suffixes: any picture format."""
+    """Check output paths before the computation; without suffixes any picture format is valid."""
     for path, endings in targets.items():
         if path is not None:
             from jousto.output.style import PICTURES, target

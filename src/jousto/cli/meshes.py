@@ -101,14 +101,14 @@ def mesh(
 
 
 def _only_cad(file: Path, given: dict[str, bool]) -> None:
-    """Raise if options that apply to CAD files only are given for a mesh."""
+    """Raise an error for a mesh with options that apply to CAD files only."""
     for option in (name for name, used in given.items() if used):
         message = f"is for CAD files ({' '.join(CAD)}); {file.name} is read with its elements"
         raise InputError(Problem(option, message))
 
 
 def _no_data(file: Path) -> None:
-    """Raise if the file is a reduced part or results of jousto instead of a mesh."""
+    """Raise an error if the file is a reduced part or results of jousto, not a mesh."""
     from jousto.schema.output_paths import REDUCED_PART, WORDS, hdf5_format
 
     kind = hdf5_format(file) if file.is_file() else ""

@@ -139,7 +139,7 @@ def end_time(file: ModelFile, source: Path, wanted: str = "how long to simulate"
 
 
 def only_one(names: Iterable[str], where: str, kind: str, none: str) -> str:
-    """Return the only name of a list; raise if there is none or a choice."""
+    """Return the only name of a list; raise an error if there are none or several."""
     some = list(names)
     if len(some) != 1:
         found = f"name one of the {kind} {', '.join(some)}" if some else none

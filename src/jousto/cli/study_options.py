@@ -23,7 +23,7 @@ WAYS = ("threads", "processes", "dask")
 
 
 def problems_of(check: Callable[[], Any]) -> list[Problem]:
-    """Return the problems of the InputError that a check raises; empty if it passes."""
+    """Return the problems of the InputError that a check raises; empty without an error."""
     try:
         check()
     except InputError as error:
@@ -96,7 +96,7 @@ def limits_of(given: list[str] | None, file: ModelFile) -> list[Requirement]:
     Raises
     ------
     InputError
-        If there are none at all, one is none, or two have the same name.
+        If there are no limits, a text is not a limit, or two limits have the same name.
     """
     from jousto.design.studies.outcomes.outcomes import read_outcome
     from jousto.design.studies.outcomes.requirement import read_requirement
@@ -138,7 +138,7 @@ def read_study(
     Raises
     ------
     InputError
-        With the problems of the checks, the limits and the parameters together.
+        With all problems of the checks, the limits and the parameters.
     """
     problems = [problem for check in checks for problem in problems_of(check)]
     limits: list[Requirement] = []
@@ -171,8 +171,8 @@ def parameters_of(given: list[str] | None, file: ModelFile, *wanted: str) -> lis
         Options ``--vary``.
     file : ModelFile
     *wanted : {"bounds", "distribution"}
-        What an option must give, one of them; each must belong to a parameter at least. If both
-        may be given, bounds leave a parameter its scatter, and a distribution its bounds.
+        What an option must give: one of these, and each for at least one parameter. If both are
+        allowed, new bounds keep the distribution of a parameter, and a new distribution its bounds.
 
     Raises
     ------

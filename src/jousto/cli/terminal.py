@@ -121,7 +121,7 @@ def facts(rows: list[tuple[str, str]], title: str = "") -> None:
 
 
 def columns(rows: Iterable[Sequence[str]], sides: str = "<") -> None:
-    """Print rows in columns; `align` has ``<`` or ``>`` for each, the last one for all others."""
+    """Print rows in columns; `sides`: ``<`` or ``>`` for each, the last one for all others."""
     rows = list(rows)
     widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
     for row in rows:

@@ -34,7 +34,7 @@ def verify(
 ) -> None:
     """Compare the engine with the moving-frame formulation; exit code 1 if they differ.
 
-    Compared are every sensor, acceleration, reaction and force at the same states, and runs with
+    Every sensor, acceleration, reaction and force is compared at the same states, and in runs with
     two steps. Both start as in the model file. Sensors of the models --beside are compared by their
     names.
     """
