@@ -24,7 +24,7 @@ class Comparison(Tabular):
     Raises
     ------
     InputError
-        For no optima, or other parameters.
+        If there are no optima, or their parameters differ.
     """
 
     optima: Sequence[Optimum]
@@ -46,7 +46,7 @@ class Comparison(Tabular):
     def table(self) -> list[tuple[str, ...]]:
         """Rows of the comparison, one column for each method; the first row has the method names.
 
-        The excess is the cost above that of the cheapest design that satisfies its limits.
+        The excess is the cost minus that of the cheapest design that satisfies its limits.
         """
         optima = list(self.optima)
         kept = [one.cost for one in optima if one.kept]

@@ -1,4 +1,4 @@
-"""Cost of a design of a model file: mass, another outcome without a run, or arithmetic."""
+"""Cost of a design from a model file: mass, another outcome without a run, or a formula."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def read_price(text: str, file: Any, every: Sequence[Parameter]) -> Price:
     Raises
     ------
     InputError
-        If it needs a run, is nothing that is known, or the same for all designs.
+        If the cost needs a run, is unknown, or is the same for all designs.
     """
     where = f"cost {text!r}"
     kinds = {p.name: p.exponents for p in every}

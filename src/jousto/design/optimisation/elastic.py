@@ -31,8 +31,8 @@ class Elastic:
     K : (ndof, ndof) sparse array
         Stiffness, N/m (N m for rotations).
     held : (nh,) int array
-        Degrees of freedom that are held: none if K is regular, else just as many as there are
-        rigid motions, so that loads in balance cause no reactions.
+        Fixed degrees of freedom: none if K is regular, else as many as there are rigid motions, so
+        that loads in balance cause no reactions.
     rigid : (ndof, nr) array
         Rigid motions.
     stress : StressOperator or None
@@ -41,7 +41,7 @@ class Elastic:
         Nodes by name.
     dofs_per_node : int
     points : (ndof, 3) array, optional
-        Place of each degree of freedom, m.
+        Position of each degree of freedom, m.
     """
 
     name: str
@@ -101,7 +101,7 @@ class Elastic:
         Raises
         ------
         InputError
-            If there is none.
+            If there is no such node.
         """
         if name not in self.nodes:
             message = f"no node {name!r}{suggest(name, self.nodes)}"
@@ -150,7 +150,7 @@ class EquivalentLoad:
     values : (nc, nt) array
         y at the design `at`.
     slopes : (nd, nc, nt) array or None
-        ``dy/dx``; None for classical equivalent loads, which are taken as constant.
+        ``dy/dx``; None for classical equivalent loads, which are constant.
     """
 
     motion: Motion

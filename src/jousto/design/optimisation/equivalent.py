@@ -27,7 +27,7 @@ def equivalent_loads(
 
     ``f(t) = K Phi p(t)`` with the stiffness K of the part, its modes Phi and the modal coordinates
     p of the run (W. S. Choi, G. J. Park, *Comput. Methods Appl. Mech. Eng.* 191 (2002) 2077-2094).
-    The loads contain reactions, inertia and damping, as far as the modes represent them. On a free
+    The loads include reactions, inertia and damping as far as the modes represent these. On a free
     body they are in balance: with any six degrees of freedom supported statically, the reactions
     vanish, and the body has the deformation and stress of the run apart from a rigid motion.
 
@@ -38,9 +38,9 @@ def equivalent_loads(
     body : FlexibleBody
         The body.
     times : (nt,) array_like, optional
-        Instants in s, between the stored ones interpolated; None takes all stored ones.
+        Instants, s; values are interpolated between stored instants. None: all stored instants.
     part : Part, optional
-        Part from which the body was reduced; None takes the data that the reduction stored.
+        Part from which the body was reduced; None: the data stored by the reduction.
 
     Returns
     -------
@@ -51,8 +51,8 @@ def equivalent_loads(
     Raises
     ------
     InputError
-        The run has no such body, or one with other modes; a time outside of the run; the part is
-        not known or another one.
+        If the run has no such body or one with other modes, a time lies outside of the run, or the
+        part is unknown or another one.
 
     Examples
     --------

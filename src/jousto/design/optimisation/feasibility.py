@@ -28,9 +28,9 @@ class Nearest:
     ----------
     x : (nd,) array
     ratio : float
-        The largest value / limit there.
+        Largest ratio of value to limit at this design.
     conflict : tuple of str
-        Limits that conflict there, and parameters whose bounds hold it.
+        Conflicting limits at this design, and parameters whose bounds are active.
     """
 
     x: Array
@@ -52,8 +52,8 @@ class Nearest:
 def nearest(problem: Problem, x: Array, screen: float, size: float) -> Nearest:
     """Return the design that minimises the largest ratio: ``min t``, ``r_i <= t``.
 
-    Solved by SLSQP with derivatives from runs. At the solution ``sum m_i grad r_i`` is zero apart
-    from bounds, with ``m >= 0`` and ``sum m_i = 1``: limits with m above 0 conflict.
+    Solved by SLSQP with derivatives from runs. At the solution, ``sum m_i grad r_i`` is zero except
+    along active bounds, with ``m >= 0`` and ``sum m_i = 1``: limits with m above 0 conflict.
     """
     span = problem.high - problem.low
     for _ in range(ROUNDS):
@@ -85,7 +85,7 @@ def nearest(problem: Problem, x: Array, screen: float, size: float) -> Nearest:
 
 
 def _lowered(problem: Problem, x: Array, kept: list[Kept], size: float) -> Array:
-    """Return the design with the smallest largest ratio of the selected rows."""
+    """Return the design that minimises the largest ratio of the selected rows."""
     span = problem.high - problem.low
 
     def design(w: Array) -> Array:

@@ -56,16 +56,16 @@ def file_problem(
     file : ModelFile
         Model file from `read_model`.
     limits : sequence of str, optional
-        ``"stress(boom) <= 160 MPa"``, ``"deflection(boom, end, start) <= 20 mm"``,
-        ``"frequency(1) >= 5 Hz"``, ``"life(boom) >= 1000 h"`` or damage of a check; those of the
-        file if not given. Bounds are numbers: they do not follow the design.
+        ``"stress(boom) <= 160 MPa"``, ``"deflection(boom, end, start) <= 20 mm"``, ``"frequency(1)
+        >= 5 Hz"``, ``"life(boom) >= 1000 h"`` or damage of a check; the limits of the file by
+        default. Bounds are numbers that do not depend on the design.
     cost : str
         Cost to minimise: ``"mass"`` of everything that moves, ``"mass(boom)"``, another outcome
-        that needs no run, or arithmetic of parameters, ``"2 * width + height"``.
+        that needs no run, or an expression of parameters, ``"2 * width + height"``.
     parameters : sequence of Parameter, optional
         Parameters instead of those of the file; only those with bounds are varied.
     t_end : float, optional
-        End of the runs, s; before that of the file.
+        End of the runs, s; it has precedence over that of the file.
 
     Returns
     -------
@@ -75,7 +75,7 @@ def file_problem(
     Raises
     ------
     InputError
-        For limits that static loads cannot have, a cost that needs runs, no parameters with bounds.
+        If a limit is impossible with static loads, the cost needs runs, or no parameter has bounds.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def _limit(
     Raises
     ------
     InputError
-        If equivalent static loads cannot have it.
+        If the limit is impossible with equivalent static loads.
     """
     where = f"limit {one.text!r}"
     outcome = one.outcome

@@ -139,7 +139,7 @@ class Place(Field["str | None", "str | None"]):
 class DisplacementLimit(BodyLimit, tag="displacement"):
     """Limit on the elastic displacement of a node at every instant.
 
-    ``|n . u| <= maximum`` along a direction n, else ``|u| <= maximum``.
+    ``|n . u| <= maximum`` along a direction n; without a direction ``|u| <= maximum``.
     For a body without supports the displacement is relative to a node, for example the foot of a
     boom.
     """
@@ -256,7 +256,7 @@ def stress_of(body: Elastic) -> Any:
     Raises
     ------
     InputError
-        If its part has none.
+        If the part of the body has no stress data.
     """
     if body.stress is None:
         raise InputError(Problem(f"body '{body.name}'", "its part has no stress data"))
@@ -269,7 +269,7 @@ def carried(body: Elastic, node: str, shapes: Array) -> Array:
     Raises
     ------
     InputError
-        If the node does not turn.
+        If the node has no rotation.
     """
     if body.dofs_per_node != 6:
         message = f"node {node!r} does not turn: relative_to= names a node of beams"

@@ -35,8 +35,8 @@ def classical(
 def first_order(problem: Problem, x: Array, size: float) -> list[EquivalentLoad]:
     """Return the equivalent static loads of order 1 with their slopes ``df/dx = d(K z)/dx``.
 
-    Central differences over two runs for each parameter. The idea of loads that follow the design
-    to first order is that of M. Stolpe and N. Pollini for nonlinear statics (2023).
+    Central differences over two runs for each parameter. M. Stolpe and N. Pollini (2023) proposed
+    such first-order loads for nonlinear statics.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ class Deformed:
 def deformed(
     problem: Problem, x: Array, loads: Sequence[EquivalentLoad] | None = None
 ) -> list[Deformed]:
-    """Return the deformed bodies of a design under equivalent loads, or in its motion for None."""
+    """Return the bodies of a design, deformed by equivalent loads, or as in its motion (None)."""
     bodies = problem.bodies(x)
     if loads is None:
         return [
@@ -162,9 +162,9 @@ def limits_of(problem: Problem, body: Elastic) -> list[BodyLimit]:
 
 
 def screened(table: Table, share: float, most: int = 400) -> list[Kept]:
-    """Return the rows whose ratio is at least a given share of the largest of their limit.
+    """Return the rows with at least a given share of the largest ratio of their limit.
 
-    At most `most` of each, the largest first; ties by place, then instant.
+    At most `most` rows per limit, the largest first; equal ones are sorted by place, then instant.
     """
     kept = []
     for limit, motion, r in table:

@@ -36,10 +36,10 @@ class MachineProblem(Problem):
         Parameters with bounds; their values are the start.
     parts : function
         Returns the `Part` of each body that changes or is limited, by the name of the body, for
-        the parameters by name. Statics ask for nothing else.
+        the parameters by name. Static problems need no other function.
     build : function
-        Returns the `Mechanism` for the parameters by name and those parts, which it reduces, or
-        one mechanism for each load case by name.
+        Returns the `Mechanism` for the parameters by name and the parts, which the function
+        reduces; or one mechanism for each load case by name.
     limits : sequence of Limit
         `StressLimit`, `DisplacementLimit`, `LifeLimit`, `FrequencyLimit`.
     t_end : float
@@ -50,8 +50,8 @@ class MachineProblem(Problem):
         Initial state of the runs, or a function of the model that returns it:
         `jo.simulation.vibration_free_state`, `jo.equilibrium`.
     cost : function, optional
-        Returns what shall be least, for the parameters by name and the parts. The mass of the
-        parts, kg, if not given.
+        Returns the cost to minimise, for the parameters by name and the parts; by default the mass
+        of the parts, kg.
 
     Raises
     ------
@@ -150,7 +150,7 @@ class MachineProblem(Problem):
         Raises
         ------
         InputError
-            If one is missing.
+            If a parameter is missing.
         """
         missing = [name for name in self.names if name not in values]
         if missing:
@@ -186,7 +186,7 @@ def shapes_of(body: Any, part: Part) -> Array:
     Raises
     ------
     InputError
-        If it is not made of that part.
+        If the body does not consist of that part.
     """
     nn = len(part.nodes)
     if not isinstance(body, FlexibleBody) or len(body.reduced.nodes) < nn:

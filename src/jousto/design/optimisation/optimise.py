@@ -48,37 +48,40 @@ def optimise(
     problem : Problem
         Problem, such as a `MachineProblem`.
     method : {"esl", "direct"}
-        Equivalent static loads, or the transient itself by SLSQP with slopes from runs.
+        Equivalent static loads, or direct optimisation of the transient by SLSQP with derivatives
+        from runs.
     order : {0, 1}
         Order of the equivalent static loads.
     tolerance : float
-        Largest step, as a share of the span of each parameter, that ends.
+        Largest step, as a share of the span of each parameter, at which the optimisation ends.
     cycles : int
-        Most cycles.
+        Largest number of cycles.
     screen : float
-        Instants and places count whose value is at least this share of the largest of its limit.
+        Instants and places are included if their value is at least this share of the largest value
+        of the same limit.
     trust : float, optional
-        First size of the trust region as a share of the spans; 0.2 for order 1, the whole for
-        order 0.
+        First size of the trust region as a share of the spans; by default 0.2 for order 1, and the
+        whole span for order 0.
     differences : float
         Step of the differences over runs as a share of the spans.
     report : function, optional
-        Is called with each `Cycle`.
+        Function that is called with each `Cycle`.
     starts : int
         Number of starts: the parameter values, then points of a Latin hypercube in their bounds.
-        Each ends at an optimum near it; the best is returned, and its message has the spread.
+        Each start ends at a nearby optimum; the best is returned, and its message contains the
+        spread of all.
     seed : int
         Seed of the hypercube.
 
     Returns
     -------
     Optimum
-        With its history, what is active, and the KKT residual of the moving machine.
+        Optimum with its history, active limits, and the KKT residual of the moving machine.
 
     Raises
     ------
     InputError
-        If limits name what is not there, or an option is impossible.
+        If a limit names an unknown object, or an option is impossible.
     """
     problems, where = Problems(), "optimise"
     if method not in ("esl", "direct"):

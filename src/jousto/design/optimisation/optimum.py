@@ -29,11 +29,11 @@ class Cycle:
         The design.
     cost : float
     ratio : float
-        The largest value / limit in motion: above 1 a limit is exceeded.
+        Largest ratio of value to limit in motion; above 1 a limit is exceeded.
     loads : float
         Change of the equivalent loads since the last cycle, relative; NaN where there are none.
     step : float
-        The largest step from here, as a share of the span of a parameter.
+        Largest step from this design, as a share of the span of a parameter.
     runs : int
         Runs of the machine so far.
     """
@@ -59,17 +59,17 @@ class Optimum(Tabular):
         The parameters.
     cost : float
     ratio : float
-        The largest value / limit in motion.
+        Largest ratio of value to limit in motion.
     converged : bool
     message : str
-        Why it ended.
+        Reason of the end.
     active : tuple of (Place, float)
-        Active rows with their multipliers: how much the cost, relative to itself, grows
-        if that limit is lowered by 1 in relation to itself.
+        Active rows with their multipliers: relative increase of the cost per relative decrease of
+        that limit.
     kkt : float
-        Residual of the conditions of Karush, Kuhn and Tucker in motion: the part of the gradient
-        of the cost that no active limit or bound explains, of the gradient, or how far a limit is
-        exceeded, if that is more. 0 for an optimum.
+        Residual of the conditions of Karush, Kuhn and Tucker in motion, 0 for an optimum: the share
+        of the cost gradient that no active limit or bound explains, or the excess of a limit if
+        that is larger.
     runs : int
         Runs of the machine.
     history : tuple of Cycle

@@ -30,7 +30,7 @@ class Problem(ABC):
     Raises
     ------
     InputError
-        Parameters without bounds, no limits, equal names.
+        If a parameter has no bounds, there are no limits, or names are equal.
     """
 
     def __init__(self, parameters: Sequence[Parameter], limits: Sequence[Limit]) -> None:
@@ -147,7 +147,7 @@ class Place:
     case : str
         Load case.
     time : float
-        s; NaN for what belongs to a whole run.
+        Instant, s; NaN for quantities of a whole run.
     """
 
     limit: str
@@ -172,7 +172,7 @@ class Kept:
     limit : BodyLimit
     motion : int
     places, columns : (nk,) int array
-        Pairs of place and column of its ratios.
+        Pairs of place and column of the ratios of the limit.
     instants : (ni,) int array
         The instants of the columns; None for limits of whole runs.
     count : int

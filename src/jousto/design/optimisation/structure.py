@@ -25,7 +25,7 @@ GAUSS = np.polynomial.legendre.leggauss(5)
 
 
 class StructureProblem(Problem):
-    """Optimisation of a supported linear structure, ``M z'' + K z = F(t)``, modal damping.
+    """Optimisation of a supported, modally damped linear structure, ``M z'' + K z = F(t)``.
 
     The structure starts at rest. The motion is exact for forces that are polynomials of degree 4
     between instants, at any natural frequencies: exponential of each mode, polynomial of the force
@@ -41,20 +41,20 @@ class StructureProblem(Problem):
     time : (nt,) array_like
         Instants, evenly spaced from 0, s.
     cost : function
-        Returns what shall be least, for the parameters by name.
+        Returns the cost to minimise, for the parameters by name.
     limits : sequence of Limit
         Limits on body "structure" with nodes "1" .. "n", one for each degree of freedom.
     damping : float
-        Ratio of all modes, below 1.
+        Damping ratio of all modes, below 1.
     stress : function, optional
-        Returns the stress of each member per displacement, (n,), Pa/m, by the names of the members,
-        for the parameters by name; `StressLimit` and `LifeLimit` take them as sites, their
-        component s11.
+        Returns, for the parameters by name, the stress of each member per displacement, (n,), Pa/m,
+        by member names. For `StressLimit` and `LifeLimit`, members are sites with the component
+        s11.
 
     Raises
     ------
     InputError
-        If time, functions or what they return at the start do not fit one another.
+        If time, functions and their results at the start are inconsistent.
 
     Examples
     --------
@@ -124,7 +124,7 @@ class StructureProblem(Problem):
         Raises
         ------
         InputError
-            If they are not symmetric, finite and of the size of the force.
+            If the matrices are not symmetric, finite and of the size of the force.
         """
         made: Any = self._matrices(self.values(x))
         if not isinstance(made, (tuple, list)) or len(made) != 2:
@@ -146,7 +146,7 @@ class StructureProblem(Problem):
         Raises
         ------
         InputError
-            If `stress` returns something else than rows by names.
+            If `stress` does not return rows by names.
         """
         if self._stress is None:
             return None

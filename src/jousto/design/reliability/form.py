@@ -1,4 +1,4 @@
-"""First-order reliability method (FORM): design point, and the probability of its tangent."""
+"""First-order reliability method (FORM): design point, and probability from its tangent."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class FormResult:
         Distance of the limit surface from the origin of standard normal space; negative if the
         medians fail.
     probability : float
-        ``Phi(-beta)``, that of the tangent.
+        ``Phi(-beta)``, the probability beyond the tangent.
     u : (n,) array
         Design point, standard normal.
     x : Values
@@ -50,7 +50,7 @@ class FormResult:
     alpha : (n,) array
         ``-grad g / |grad g|``; ``u = beta alpha``.
     gradient : (n,) array
-        ``dg/du`` there.
+        ``dg/du`` at the design point.
     iterations, calls, gradients : int
         Steps, calls of the limit state (with those of differences) and of its given gradient.
     method : str
@@ -91,9 +91,9 @@ class FormResult:
     def importance(self) -> Mapping[str, float]:
         """Share of each variable in the variance of the linearised limit state.
 
-        ``alpha_i^2`` for independent variables; for others the squares of the unit vector along
-        ``alpha J^-1 D``, with J = dx/du and the deviations D of the equivalent normal variables at
-        the design point.
+        ``alpha_i^2`` for independent variables; for dependent ones the squared components of the
+        unit vector along ``alpha J^-1 D``, with J = dx/du and the deviations D of the equivalent
+        normal variables at the design point.
         """
         J = self.variables.jacobian(self.u)
         gamma = np.linalg.solve(J.T, self.alpha) * np.sqrt(np.sum(J * J, axis=1))
@@ -177,18 +177,18 @@ def form(
     limit : LimitState or callable
         ``G(x) <= 0`` is failure; x has values by name (`Values`).
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
-        The random variables; a sequence is of independent ones.
+        The random variables; variables of a sequence are independent.
     method : {"sqp", "hlrf"}
         Method, see above.
     start : dict of float, optional
-        Values where to begin; None takes the medians.
+        Start values; None: the medians.
     tolerance : float
-        Distance, in standard normal space, to the limit surface and across to its normal through
-        the origin.
+        Largest distance, in standard normal space, from the limit surface and from its normal
+        through the origin.
     iterations : int
         Largest number of iterations.
     far : float
-        Largest beta that counts as a probability.
+        Largest beta for which a failure is searched.
 
     Returns
     -------
@@ -327,13 +327,14 @@ def line_search(
 ) -> tuple[Array, float] | None:
     """Return the first accepted point u and g(u) of a halved step s, None if there is none.
 
-    ``u = point(s)``, ``accepts(s, u, g)``. A point at which the limit state fails counts as not
-    accepted: a step that is too long may leave the region in which G can be computed.
+    ``point(s)`` returns u, and ``accepts(s, u, g)`` accepts it. A point at which the limit state
+    cannot be computed is not accepted: a step that is too long may leave the region in which G can
+    be computed.
 
     Raises
     ------
     LimitStateError
-        If no point is accepted and the limit state failed at one of them.
+        If no point is accepted and the limit state could not be computed at one of them.
     """
     failed: LimitStateError | None = None
     for k in range(halvings):

@@ -40,7 +40,7 @@ def file_rbdo(
     file : ModelFile
         Model file from `read_model`.
     limits : sequence of str, optional
-        Outcomes with their bounds, ``"max(tip.y) <= 12 mm"``; those of the file if not given.
+        Outcomes with their bounds, ``"max(tip.y) <= 12 mm"``; those of the file by default.
     cost : str
         Cost to minimise, as in `file_problem`, at the means.
     parameters : sequence of Parameter, optional
@@ -48,7 +48,7 @@ def file_rbdo(
     target : float, optional
         Index of all limits; else ``reliability: {target: ...}`` of the file.
     t_end : float, optional
-        End of the runs, s; before that of the file.
+        End of the runs, s; it has precedence over that of the file.
     method, tolerance, cycles
         As of `rbdo`.
 
@@ -59,9 +59,9 @@ def file_rbdo(
     Raises
     ------
     InputError
-        If there are no limits, no target, nothing to design or nothing that scatters.
+        If there are no limits, no target, no design variables or no random variables.
     DesignPointError
-        If no design within the bounds has the target.
+        If no design within the bounds reaches the target.
     LimitStateError
         If a limit has no value at a point.
 

@@ -43,7 +43,7 @@ class Reserve:
     Parameters
     ----------
     study : Study
-        Works out the outcome, each point once.
+        Study that computes the outcome, each point once.
     limit : Requirement
         Outcome and bound.
     more : sequence of Parameter
@@ -84,7 +84,7 @@ class Reserve:
         return self.limit.value(known, self.study.units[self.place])
 
     def points(self, x: Values) -> tuple[Array, list[dict[str, float]]]:
-        """Return the study's points (n, np) and the values of the bound's parameters at each."""
+        """Return the study's points (n, np), and the bound's parameter values at each point."""
         for name in x.names:
             if name not in self.parameters:
                 message = f"the study has no parameter {name!r}{suggest(name, self.parameters)}"
@@ -117,7 +117,7 @@ class Reserve:
         return g if x.ndim > 1 else float(g[0])
 
     def why(self, x: Values) -> str:
-        """Return the reason for which the study has no value at a point."""
+        """Return the reason why the study has no value at a point."""
         X, _ = self.points(x)
         return self.study.rows(X)[0][1]
 
@@ -183,15 +183,16 @@ def limit_state(
     study : Study
         Parameters and outcomes.
     limit : str or Requirement
-        ``"max(tip.y) <= 12 mm"``, ``"stress(arm) <= strength / 1.5"``: an outcome of the study
-        and arithmetic of parameters; ``"tip = max(tip.y) <= 12 mm"`` has a name.
+        ``"max(tip.y) <= 12 mm"``, ``"stress(arm) <= strength / 1.5"``: an outcome of the study and
+        an expression of parameters; with a name ``"tip = max(tip.y) <= 12 mm"``.
     parameters : sequence of Parameter
-        More of them, on which only the bound depends: a strength, the scatter of a life.
+        Further parameters, on which only the bound depends, such as a strength or the scatter of a
+        life.
     correlation : dict, optional
         Correlation of pairs of parameters by name, as in `Nataf`.
     gradient : callable or True, optional
-        Derivatives of the outcomes by the parameters (no, np) at a point (np,); True for those of
-        `gradient`, by complex steps; else differences.
+        Derivatives of the outcomes by the parameters (no, np) at a point (np,); True: by `gradient`
+        with complex steps; None: differences.
     step : float
         Step of differences, in standard deviations.
     differences : {"forward", "central"}
@@ -203,12 +204,12 @@ def limit_state(
     -------
     LimitState
         For `form`, `sorm`, `pma`, `rbdo`, `monte_carlo`, `importance_sampling` and
-        `subset_simulation`, which need nothing else.
+        `subset_simulation`, which need no further arguments.
 
     Raises
     ------
     InputError
-        If the study has no such outcome, no parameter scatters, or the correlation is impossible.
+        If the study has no such outcome, no parameter is random, or the correlation is impossible.
 
     Examples
     --------

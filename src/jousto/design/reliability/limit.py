@@ -33,7 +33,7 @@ LARGEST = 1e150  # largest valid magnitude of a value: its square is still a dou
 class Values(np.ndarray[Any, np.dtype[np.float64]]):
     """Array of values with names: ``x[0]``, ``x["F"]``, ``R, F = x``, ``f(**x)``.
 
-    One row for each variable; several columns are several points.
+    One row for each variable, one column for each point.
     """
 
     names: tuple[str, ...] = ()
@@ -65,14 +65,14 @@ class Values(np.ndarray[Any, np.dtype[np.float64]]):
 
 
 def named(names: Sequence[str], values: ArrayLike) -> Values:
-    """Return values with names as `Values`."""
+    """Return values together with their names, as `Values`."""
     x = np.array(values, dtype=np.float64).view(Values)
     x.names = tuple(names)
     return x
 
 
 def format_values(x: Values) -> str:
-    """Return ``R = 1.2, F = 3`` of the first values."""
+    """Return the first values as a text such as ``R = 1.2, F = 3``."""
     pairs = [f"{name} = {x[name]:.6g}" for name in x.names[:SHOWN]]
     return ", ".join(pairs) + (", ..." if len(x.names) > SHOWN else "")
 
@@ -86,24 +86,24 @@ class LimitState:
     Parameters
     ----------
     function : callable
-        ``function(x)`` returns G, failure being ``G <= 0``; x has values by name and by place
+        ``function(x)`` returns G, with failure if ``G <= 0``; x has values by name and by index
         (`Values`).
     gradient : callable or True, optional
-        ``gradient(x)`` returns the derivatives of G by the values, an array in their order or a
-        dictionary in which what is missing is zero. True if the function returns both, ``G, dG``.
-        None takes differences.
+        ``gradient(x)`` returns the derivatives of G by the values, an array in their order, or a
+        dictionary whose missing entries are zero. True if the function returns both, ``G, dG``.
+        None: differences.
     vectorised : bool
         The function also takes many points at once, an array of values for each name, and returns
         an array; then sampling and differences call it once for a whole batch.
     name : str, optional
-        Name in messages and results; else that of the function.
+        Name in messages and results; by default that of the function.
     step : float
-        Step of differences, in standard deviations. Larger for results with numerical noise: about
-        the root of their relative error.
+        Step of differences, in standard deviations. Results with numerical noise need larger steps,
+        about the root of their relative error.
     differences : {"forward", "central"}
         n or 2 n calls for each gradient.
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
-        The random variables, for analyses that are given none.
+        The random variables, for analyses without this argument.
 
     Examples
     --------
@@ -162,7 +162,7 @@ def as_limit(given: LimitState | Callable[..., Any], name: str = "") -> LimitSta
 
 
 def format_error(error: Exception) -> str:
-    """Return an error as one line, with the class of errors from outside jousto."""
+    """Return an error as one line; errors from outside jousto with their class."""
     text = " / ".join(str(error).splitlines())
     kind = "" if isinstance(error, JoustoError) and text else type(error).__name__
     return ": ".join(filter(None, (kind, text)))
@@ -309,7 +309,7 @@ class Counted:
     def differences(
         self, to_x: Callable[[Array], Array], u: Array, g: float, steps: Array
     ) -> Array:
-        """Return the gradient of ``G(to_x(u))`` by differences in the components of u."""
+        """Return the gradient of ``G(to_x(u))`` by u, from differences."""
         n = len(u)
         out = np.empty(n)
         sides = (1.0, -1.0) if self.limit.differences == "central" else (1.0,)

@@ -46,23 +46,23 @@ class PmaResult:
     name : str
         Name of the limit state.
     target : float
-        Radius of the sphere: the index that is asked for.
+        Radius of the sphere: the target index.
     value : float
-        Least limit state there. What is not negative has the index.
+        Least limit state on the sphere; if it is not negative, the target is reached.
     u : (n,) array
         Point of the least value, standard normal.
     x : Values
         Point of the least value, by names.
     gradient : (n,) array
-        ``dg/du`` there.
+        ``dg/du`` at this point.
     residual : float
-        ``|u / beta - n(u)|``, n being the direction of steepest descent.
+        ``|u / beta - n(u)|`` with the direction n of steepest descent.
     iterations, calls, gradients : int
         Steps, calls of the limit state (with those of differences) and of its given gradient.
     method : str
         Method that found the point.
     handed_over : str
-        Why the method that was asked for did not end; empty if it did.
+        Why the requested method did not converge; empty if it did.
     history : (iterations + 1, 3) array
         Calls, limit state and residual before each step and at the end.
     limit : LimitState
@@ -125,11 +125,11 @@ class RiaResult:
     Attributes
     ----------
     target : float
-        Index that is asked for.
+        Target index.
     value : float
-        ``beta - target``; what is not negative has it.
+        ``beta - target``; if it is not negative, the target is reached.
     form : FormResult
-        The index, with its design point and sensitivities.
+        Result with the index, its design point and sensitivities.
     """
 
     target: float
@@ -165,7 +165,7 @@ def ria(
     beta : float
         Target.
     **options
-        Of `form`.
+        Options of `form`.
 
     Returns
     -------
@@ -174,7 +174,7 @@ def ria(
     Raises
     ------
     DesignPointError
-        If there is no failure within reach; `pma` works there, too.
+        If no failure is found within the largest beta; `pma` also works in this case.
     InputError
         For wrong arguments.
 
@@ -217,13 +217,13 @@ def pma(
     limit : LimitState or callable
         ``G(x) <= 0`` is failure; x has values by name (`Values`).
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
-        The random variables; a sequence is of independent ones.
+        The random variables; variables of a sequence are independent.
     beta : float
-        Target, the radius of the sphere.
+        Target index, the radius of the sphere.
     method : {"sqp", "hmv", "amv", "cmv"}
         Method, see above.
     start : dict of float, optional
-        Values where to begin; None takes the medians.
+        Start values; None: the medians.
     tolerance : float
         Largest ``|u / beta - n(u)|``.
     iterations : int
@@ -236,7 +236,7 @@ def pma(
     Raises
     ------
     DesignPointError
-        If no method ends, or the limit state does not depend on the variables.
+        If no method converges, or the limit state does not depend on the variables.
     LimitStateError
         If the limit state fails or is not a number.
     InputError

@@ -34,8 +34,8 @@ TOLERANCE, STEPS = 1e-4, 30
 class Excluding(Space):
     """Limit state raised by a bulge around each known design point.
 
-    ``g(u) + sum s (r^2 - |u - u*|^2)^2`` within r of u*; then the nearest failure is elsewhere (A.
-    Der Kiureghian and T. Dakessian, *Struct. Saf.* 20 (1998) 37-49).
+    ``g(u) + sum s (r^2 - |u - u*|^2)^2`` within r of u*, so that the nearest failure is elsewhere
+    (A. Der Kiureghian and T. Dakessian, *Struct. Saf.* 20 (1998) 37-49).
 
     Parameters
     ----------
@@ -105,11 +105,11 @@ def further_points(space: Space, first: FormResult) -> list[FormResult]:
 
 
 def _perpendicular_points(space: Space, first: FormResult) -> list[tuple[Array, float]]:
-    """Return points perpendicular to u* at its distance, and the limit state at them.
+    """Return points perpendicular to u* at the same distance, and their limit state.
 
     The points lie in both directions of each axis of the plane perpendicular to u*: at one of them
-    the limit state shows a second plane at the same distance, in whatever direction that plane
-    lies. NaN where the limit state fails.
+    the limit state reveals a second plane at the same distance, whatever its direction. NaN where
+    the limit state cannot be computed.
     """
     sides = max(abs(first.beta), APART) * null_space(first.alpha[None])
     if not sides.size:
@@ -169,5 +169,5 @@ def _leads_to_new_point(
 
 
 def _is_relevant(beta: float, known: Sequence[FormResult]) -> bool:
-    """Return whether a point at this distance has a noticeable share of the probability."""
+    """Return whether a point at a distance beta has a noticeable share of the probability."""
     return float(ndtr(-abs(beta))) > COUNTS * float(ndtr(-abs(known[0].beta)))

@@ -45,16 +45,16 @@ class SamplingResult:
     variation : float
         Coefficient of variation of the estimate; infinite if nothing failed.
     samples, failures : int
-        Points, and those that failed.
+        Number of points, and of those that failed.
     broken : int
         Points at which the limit state gave no number, counted as failures.
     calls : int
-        Calls of the limit state, with those for a design point.
+        Calls of the limit state, including those for a design point.
     reasons : dict of int
-        Why points had no number, and how many.
+        Number of points without a number, by reason.
     history : (k, 3) array
-        Samples, probability and variation after each batch; of subset simulation the levels:
-        samples, threshold and conditional probability.
+        Samples, probability and variation after each batch; for subset simulation samples,
+        threshold and conditional probability of each level.
     points : tuple of FormResult
         Design points around which importance sampling drew.
     """
@@ -107,18 +107,18 @@ def monte_carlo(
     Parameters
     ----------
     limit : LimitState, callable or FormResult
-        ``G(x) <= 0`` is failure; of a result of `form`, nothing else is needed. Make it vectorised
-        for many samples.
+        ``G(x) <= 0`` is failure; a result of `form` needs no further arguments. A vectorised
+        function saves time.
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables.
     samples : int
         Largest number of samples.
     seed : int, optional
-        Seed of the random numbers; equal seeds give equal points, None new ones each time.
+        Seed of the random numbers; equal seeds give equal points, None different points each time.
     confidence : float
         Confidence level of the interval.
     variation : float, optional
-        Coefficient of variation at which to stop before.
+        Coefficient of variation at which the simulation stops early.
     failed : {"raise", "count"}
         Treatment of points without a finite value: raise, or count them as failures.
 
@@ -129,7 +129,7 @@ def monte_carlo(
     Raises
     ------
     LimitStateError
-        If the limit state fails or is not a number, unless that counts.
+        If the limit state fails or is not a number, unless ``failed="count"``.
     InputError
         For wrong arguments.
 
@@ -184,7 +184,7 @@ def check_sampling(
     Raises
     ------
     InputError
-        With every setting that is out of its range.
+        With all settings out of their ranges.
     """
     problems = Problems()
     whole = f"a whole number from 1 to {MOST:g}"
@@ -239,7 +239,7 @@ def importance_sampling(
     Parameters
     ----------
     limit : LimitState, callable or FormResult
-        ``G(x) <= 0`` is failure; of a result of `form`, nothing else is needed.
+        ``G(x) <= 0`` is failure; a result of `form` needs no further arguments.
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables.
     samples : int
@@ -249,25 +249,25 @@ def importance_sampling(
     confidence : float
         Confidence level of the interval.
     variation : float, optional
-        Coefficient of variation at which to stop before, looked at every 100 points.
+        Coefficient of variation at which the simulation stops early, checked every 100 points.
     failed : {"raise", "count"}
         Treatment of points without a finite value: raise, or count them as failures.
     search : bool
-        Whether to look for further design points: two gradients and two values for each variable
-        where the limit state is nearly plane, some 30 calls for each where it is not;
-        without, another one far from the first is overlooked.
+        Whether to search for further design points, which costs two gradients and two values per
+        variable for a nearly plane limit state, else some 30 calls per variable. Without the
+        search, design points far from the first one are missed.
 
     Returns
     -------
     SamplingResult
-        With the design points.
+        Result with the design points.
 
     Raises
     ------
     DesignPointError
         If there is no design point.
     LimitStateError
-        If the limit state fails or is not a number, unless that counts.
+        If the limit state fails or is not a number, unless ``failed="count"``.
     InputError
         For wrong arguments.
     """
@@ -417,7 +417,7 @@ def check_linearisation(
     Raises
     ------
     InputError
-        For something else than results of FORM.
+        If `found` contains no results of FORM.
     """
     forms = getattr(found, "forms", found)
     forms = (forms,) if isinstance(forms, FormResult) else tuple(forms)

@@ -34,12 +34,12 @@ class SormResult:
     form : FormResult
         The design point.
     curvatures : (n - 1,) array
-        Main curvatures at the design point, positive where the surface bends away from the
-        origin: less failure than beyond the tangent.
+        Principal curvatures at the design point; positive if the surface bends away from the
+        origin, so that failure is less probable than beyond the tangent.
     breitung, hohenbichler, tvedt : float
         Probabilities of failure; NaN where a formula does not hold.
     calls, gradients : int
-        All calls, with those of FORM.
+        All calls, including those of FORM.
     """
 
     form: FormResult
@@ -52,7 +52,7 @@ class SormResult:
 
     @property
     def probability(self) -> float:
-        """Probability of Tvedt; of Breitung where Tvedt's formula does not apply."""
+        """Probability by Tvedt's formula; by Breitung's where Tvedt's does not apply."""
         return self.breitung if math.isnan(self.tvedt) else self.tvedt
 
     @property
@@ -85,27 +85,28 @@ def sorm(
     Parameters
     ----------
     limit : LimitState, callable or FormResult
-        ``G(x) <= 0`` is failure; of a result of `form`, nothing else is needed.
+        ``G(x) <= 0`` is failure; a result of `form` needs no further arguments.
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables.
     step : float, optional
-        Step of second differences, in standard deviations. None takes 1e-3 for a given gradient and
-        three roots of the step of the limit state, 0.01, for values.
+        Step of second differences, in standard deviations. None: 1e-3 with a given gradient, else
+        three times the root of the step of the limit state, about 0.01.
     **options
-        Of `form`.
+        Options of `form`.
 
     Returns
     -------
     SormResult
-        Curvatures cost ``4 (n - 1)`` given gradients, or ``(n - 1) (n + 6) / 2 + 1`` calls.
+        Result; the curvatures need ``4 (n - 1)`` calls of a given gradient, or ``(n - 1) (n + 6) /
+        2 + 1`` calls of the limit state.
 
     Raises
     ------
     InputError
         If there are no variables, or for a step that is not positive.
     DesignPointError
-        If there is no design point, or the point is not the nearest: the surface bends towards the
-        origin more than a sphere does.
+        If there is no design point, or the point is not the nearest one, because the surface bends
+        towards the origin more than a sphere.
 
     Warns
     -----
@@ -183,9 +184,9 @@ def _product(factor: float, kappa: Array) -> float:
 
 
 def _curvatures(space: Space, found: FormResult, step: float | None) -> tuple[Array, Array]:
-    """Return the principal curvatures (n - 1,), and those along the axes of the tangent plane.
+    """Return the principal curvatures (n - 1,), and the curvatures along the tangent axes.
 
-    The latter (2, n - 1) use the step and its double; a difference between the two rows is an
+    The curvatures along the axes, (2, n - 1), use the step and its double; their difference is an
     error of the differences.
     """
     u, n = found.u, space.n

@@ -78,7 +78,7 @@ def subset_simulation(
     DesignPointError
         If there is no failure after the last level.
     LimitStateError
-        If the limit state fails or is not a number, unless that counts.
+        If the limit state fails or is not a number, unless ``failed="count"``.
     InputError
         For wrong arguments.
     """

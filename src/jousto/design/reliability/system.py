@@ -1,4 +1,4 @@
-"""Systems of limit states: a series system fails with one, a parallel one with all of them."""
+"""Systems of limit states: series (any of them fails) or parallel (all of them fail)."""
 
 from __future__ import annotations
 
@@ -37,12 +37,13 @@ class SystemResult:
     correlation : (n, n) array
         ``alpha_i . alpha_j`` of the tangents.
     low, high : float
-        Bounds of Ditlevsen, of the tangents.
+        Ditlevsen's bounds of the probability by the tangents.
     probability : float
-        That of the tangents, by the multivariate normal distribution: to 1e-4 of itself for up to
-        some ten of them in series, in parallel to some per cents of very rare failures.
+        Probability by the tangents, from the multivariate normal distribution. Its relative error
+        is 1e-4 for up to about ten limit states in series, and some per cent for very rare failures
+        in parallel.
     sampled : SamplingResult or None
-        Monte Carlo with the limit states themselves.
+        Monte Carlo simulation with the limit states themselves.
     """
 
     kind: str
@@ -83,21 +84,21 @@ def system(
 
     The tangents of FORM are a system of planes, whose probability is that of a multivariate normal
     distribution with the correlation ``alpha_i . alpha_j``. The bounds need only pairs (O.
-    Ditlevsen, *J. Struct. Mech.* 7 (1979) 453-472): in series, in falling order of P_i,
-    ``P_1 + sum max(0, P_i - sum_j P_ij) <= P <= P_1 + sum (P_i - max_j P_ij)``, j < i; in parallel
-    they are those of the safe events. The design points of one limit state, ``points`` of
-    `importance_sampling`, are in series.
+    Ditlevsen, *J. Struct. Mech.* 7 (1979) 453-472): in series, in falling order of P_i, ``P_1 + sum
+    max(0, P_i - sum_j P_ij) <= P <= P_1 + sum (P_i - max_j P_ij)``, j < i; in parallel they follow
+    from the bounds of the safe events. The design points of one limit state, ``points`` of
+    `importance_sampling`, form a series system.
 
     Parameters
     ----------
     limits : sequence of FormResult, LimitState or callable
-        Two or more, of the same random variables.
+        Two or more limit states of the same random variables.
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
-        The random variables of limit states that are no results of `form`.
+        The random variables, for limit states that are not results of `form`.
     kind : {"series", "parallel"}
         Kind of system, see above.
     samples : int
-        Samples of a Monte Carlo check; 0 for none.
+        Samples of a Monte Carlo check; 0: no check.
     seed : int, optional
         Seed of the random numbers; equal seeds give equal points.
 
@@ -108,7 +109,7 @@ def system(
     Raises
     ------
     InputError
-        For fewer than two limit states, other variables, or an unknown kind.
+        For fewer than two limit states, different variables, or an unknown kind.
     DesignPointError, LimitStateError
         As `form` and `monte_carlo`.
 

@@ -30,10 +30,10 @@ class Settings:
     Parameters
     ----------
     t_end : float or None
-        End, s; None: that of the model.
+        End of the runs, s; None: that of the model.
     how : dict
-        solver, output_step and state, where they are given; a function of the model as state is
-        asked for it, such as `jo.equilibrium`.
+        Given arguments solver, output_step and state; the state may be a function of the model,
+        such as `jo.equilibrium`.
     """
 
     t_end: float | None = None
@@ -132,7 +132,7 @@ class Case:
     values : dict
         Values of the parameters, SI.
     reach : float
-        Over which what depends on the parameter that has a derivative changes.
+        Length along the differentiated parameter over which dependent quantities change.
     followed : bool
         Whether `directional` was called since the flag was last cleared.
     whole : bool
@@ -161,7 +161,7 @@ class Case:
         Raises
         ------
         NotAnalytic
-            If the model alone has derivatives.
+            If only the model has derivatives, not the mechanism.
         """
         if self._machine.plain:
             raise NotAnalytic("what looks into the mechanism needs its numbers")
@@ -191,7 +191,7 @@ class Case:
 
     @property
     def batchable(self) -> bool:
-        """Whether it can run in one batch with points of the same structure."""
+        """Whether the point can run in one batch with points of the same structure."""
         stepped = any(np.iscomplexobj(value) for value in self._inputs.values())
         return self.runs and not stepped and self._machine.repeated.alike is not None
 

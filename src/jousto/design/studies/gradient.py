@@ -77,9 +77,9 @@ def gradient(
     study : Study
         Study from `study`.
     x : (np,) array, optional
-        The point; the nominal values if not given.
+        The point; by default the nominal values.
     outcomes : str or sequence of str, optional
-        Names of the outcomes wanted; all if not given.
+        Names of outcomes; by default all.
     check : bool
         Whether real runs check the complex steps: two along one direction, and two along each
         parameter with a derivative that is zero or too small to count there. A function of the
@@ -88,7 +88,7 @@ def gradient(
     Raises
     ------
     InputError
-        If the point makes no sense, or the machine cannot be made or run there.
+        If the point is invalid, or the machine cannot be built or run there.
 
     Examples
     --------
@@ -149,7 +149,7 @@ class Work:
     Parameters
     ----------
     evaluator : Evaluator
-        Makes, runs and judges machines.
+        Evaluator that builds and runs machines and computes outcomes.
     x : (np,) array
         The point.
     rows : list of int
@@ -310,7 +310,7 @@ class Work:
                 self._jacobian[i, j] = np.nan
 
     def _note_jump(self, i: int, j: int) -> None:
-        """Record that a whole number has no derivative by a parameter that changes it."""
+        """Record that a whole number has no derivative by a parameter that makes it jump."""
         ends = [self._outcomes_beside(j, side * WHOLE * self._size(j)) for side in (1.0, -1.0)]
         for end in ends:
             if end is not None and end[i] != self._values[i]:

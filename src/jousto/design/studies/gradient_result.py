@@ -41,15 +41,15 @@ class GradientResult:
     jacobian : (no, np) array
         Derivatives of the outcomes by the parameters, SI.
     how : tuple of tuple of str
-        (no, np): "complex step"; "complex motion" where stress, damage or a function of the user
-        is followed along a motion found so; "complex run: ", "differences: " or "none: " with the
+        (no, np): "complex step"; "complex motion" for stress, damage or a user's function,
+        differentiated along such a motion; "complex run: ", "differences: " or "none: " with the
         reason. See `WAYS` for their meanings.
     outcomes, parameters : tuple of str
         Names of rows and columns.
     x : (np,) array
         The point.
     runs : dict of str to int
-        Points that were worked out, "real" and "complex", and "models" that were compiled for it.
+        Number of computed points, "real" and "complex", and of compiled "models".
     """
 
     values: Array

@@ -122,7 +122,7 @@ def _is_proportional(rest: dict[float, float], least: float) -> bool:
 
 
 def _find_jump(at: Outcomes, ends: dict[float, Array | None], i: int, y: float, size: float) -> str:
-    """Return the jump at a distance of an outcome that is constant nearby; empty if none."""
+    """Return the jump, further off, of an outcome that is constant nearby; empty if none."""
     for side in (1.0, -1.0):
         inner, outer = ends[side * RELATIVE], ends[side * WIDE]
         if (

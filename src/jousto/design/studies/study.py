@@ -314,7 +314,7 @@ class Study:
 
 @contextmanager
 def reporter(progress: bool | Report | None, total: int) -> Iterator[Report]:
-    """Yield a function of the completed and the total number of points: bar, callback, or none."""
+    """Yield a progress function of completed and total points: bar, callback, or no output."""
     if callable(progress):
         yield progress
         return

@@ -182,7 +182,7 @@ class StudyTable(Tabular):
 
 
 def check_suffix(path: Path) -> None:
-    """Raise InputError for a suffix that tables do not have.
+    """Raise InputError for a suffix in which tables cannot be written.
 
     Raises
     ------

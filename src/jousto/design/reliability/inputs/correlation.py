@@ -1,4 +1,4 @@
-"""Correlation of the normal variables behind variables of a given correlation (Nataf)."""
+"""Correlation of the normal variables behind correlated variables (Nataf)."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def series(variable: Random) -> Array:
 
 
 def normal_correlation(a: Random, b: Random, wanted: float) -> tuple[float | None, float, float]:
-    """Return rho_0 of the normal variables for a correlation rho, and the possible range of rho.
+    """Return the correlation rho_0 of the normal variables for rho, and the possible range.
 
     ``rho = sum_k c_k(a) c_k(b) rho_0^k`` (Mehler), a function that grows with rho_0.
 

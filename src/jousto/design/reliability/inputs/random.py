@@ -76,7 +76,7 @@ class Exponential:
 
 @dataclass(frozen=True, eq=False)
 class General:
-    """Continuous distribution by its functions of arrays: cdf, quantiles and density."""
+    """Continuous distribution, defined by functions of arrays: cdf, quantiles and density."""
 
     below: Callable[[Array], Array]
     above: Callable[[Array], Array]
@@ -126,7 +126,7 @@ def scipy_parameters(distribution: Any) -> tuple[tuple[Any, ...], Any, Any]:
 
 
 def law(distribution: Any) -> Law | None:
-    """Return the functions of a continuous distribution; None for another one."""
+    """Return the functions of a continuous distribution; None if it is not continuous."""
     if _is_scipy(distribution):
         shapes, loc, scale = scipy_parameters(distribution)
         if distribution.dist.name == "norm":
@@ -181,7 +181,7 @@ def _openturns_law(distribution: Any) -> General:
 
 
 def quantile(distribution: Any, p: float, tail: bool) -> float:
-    """Return x with ``F(x) = p`` or, in the upper tail, ``1 - F(x) = p``, of OpenTURNS.
+    """Return x of an OpenTURNS distribution with ``F(x) = p``, or ``1 - F(x) = p`` (upper tail).
 
     The root finding of OpenTURNS fails for some distributions, such as ``Beta(0.2, 2)``; bisection
     of the distribution function does not.
@@ -215,8 +215,8 @@ class Random:
         Continuous, of one variable, with finite mean and deviation: ``scipy.stats.norm(50, 1)``,
         `distribution_from_moments`, ``openturns.Normal(50, 1)``.
     keep : {"deviation", "cov"}
-        Constant moment if the mean is a design variable: the deviation or the coefficient of
-        variation, their ratio.
+        Constant moment if the mean is a design variable: the deviation, or the coefficient of
+        variation (deviation over mean).
 
     Attributes
     ----------
@@ -303,7 +303,7 @@ def _moved(variable: Random, mean: float, deviation: float) -> Any:
 
 
 def _checked(problems: Problems, where: str, distribution: Any) -> tuple[Law, float, float] | None:
-    """Return functions, mean and deviation of a distribution, and add the problems it has."""
+    """Return functions, mean and deviation of a distribution, and add its problems."""
     found = law(distribution)
     if found is None:
         hint = "must be a frozen distribution of scipy.stats or one of OpenTURNS"
@@ -337,8 +337,8 @@ class Conditional:
     name : str
         Name of the variable in limit states.
     distribution : callable
-        ``distribution(x)`` is that of this variable where those before it, ``x["name"]``, have
-        given values; it is also called with arrays of values.
+        ``distribution(x)`` returns the distribution of this variable for given values ``x["name"]``
+        of the variables before it, which may be arrays.
 
     Examples
     --------

@@ -23,7 +23,7 @@ class Space:
     limit : LimitState or callable
         G.
     variables : Transformation or sequence of Random, optional
-        T; None takes those of the limit state.
+        T; None: the variables of the limit state.
     fixed : dict of float, optional
         Values beside the random ones.
     """

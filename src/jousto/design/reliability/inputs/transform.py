@@ -71,16 +71,16 @@ class Transformation(ABC):
 class Nataf(Transformation):
     """Correlated random variables: Nataf's model, a Gaussian copula.
 
-    ``y_i = Phi^-1(F_i(x_i))``, ``u = L^-1 y``, ``L L^T = R_0``. The correlation R_0 of y that gives
-    the x their correlation is solved for (A. Der Kiureghian and P.-L. Liu, *J. Eng. Mech.* 112
-    (1986) 85-104), here by Hermite series.
+    ``y_i = Phi^-1(F_i(x_i))``, ``u = L^-1 y``, ``L L^T = R_0``. R_0, the correlation of y that
+    leads to the given correlation of x, is computed (A. Der Kiureghian and P.-L. Liu, *J. Eng.
+    Mech.* 112 (1986) 85-104), here by Hermite series.
 
     Parameters
     ----------
     variables : sequence of Random
         Variables with different names.
     correlation : dict or (n, n) array, optional
-        ``{("E", "I"): 0.4}`` or a matrix; what is not named is independent.
+        ``{("E", "I"): 0.4}`` or a matrix; pairs that are not named are independent.
     measure : {"pearson", "spearman", "normal"}
         Kind of the correlation: of the values, of their ranks, or R_0 itself.
 
@@ -171,7 +171,7 @@ class Nataf(Transformation):
 @described
 @dataclass(frozen=True, eq=False)
 class Rosenblatt(Transformation):
-    """Random variables each of which may depend on those before it: Rosenblatt's transformation.
+    """Random variables that may each depend on those before: Rosenblatt's transformation.
 
     ``u_1 = Phi^-1(F_1(x_1))``, ``u_i = Phi^-1(F_i(x_i | x_1 .. x_i-1))`` (M. Rosenblatt, *Ann.
     Math. Stat.* 23 (1952) 470-472).

@@ -42,13 +42,13 @@ class RbdoResult(Tabular):
     target : dict of float
         Target indices.
     deterministic : dict of float
-        The design without scatter, from which it started.
+        The optimal design without scatter, the start of the search.
     deterministic_cost : float
         Cost of the deterministic design.
     cycles : int
-        Optimisations with shifts of "sora", designs tried by the others.
+        Number of optimisations with shifts ("sora"), or of trial designs (other methods).
     calls : dict of int
-        Calls of each limit state, with those of differences.
+        Calls of each limit state, including those of differences.
     gradients : dict of int
         Calls of the limit states' gradients.
     method : str
@@ -56,7 +56,7 @@ class RbdoResult(Tabular):
     history : (cycles + 1, 1 + n) array
         Cost and design after each cycle, the deterministic one first.
     forms : tuple of FormResult
-        FORM at the design, of limit states that can fail.
+        FORM results at the design, for limit states that can fail.
     """
 
     design: Mapping[str, float]
@@ -133,32 +133,32 @@ def rbdo(
         ``G(x) <= 0`` is failure; x has the random variables and the design variables that are not
         random.
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
-        The random variables about the start; those of the limit states if not given.
+        The random variables at the start; by default those of the limit states.
     bounds : dict of (float, float)
-        The design variables with their least and largest value: means of random variables by their
-        name, others are new values without scatter.
+        Smallest and largest value of each design variable by name. The name of a random variable
+        means its mean; other names are values without scatter.
     beta : float or dict of float
-        Targets.
+        Target indices.
     method : {"sora", "pma", "ria"}
         Method, see above.
     start : dict of float, optional
-        Start of the search; else the means of the random variables.
+        Start of the search; by default the means of the random variables.
     inner : {"sqp", "hmv", "amv", "cmv"}
         Method of `pma`.
     tolerance : float
-        Move of the design, by the width of its bounds, that is none.
+        Relative change of the design, over the width of its bounds, at which the search ends.
     cycles : int
-        Largest number of cycles; of nested methods iterations.
+        Largest number of cycles, or of iterations for nested methods.
 
     Returns
     -------
     RbdoResult
-        `check_linearisation` samples it.
+        Optimal design; `check_linearisation` checks it by sampling.
 
     Raises
     ------
     DesignPointError
-        If no design within the bounds has the targets, or the cycles do not end.
+        If no design within the bounds reaches the targets, or the cycles do not converge.
     LimitStateError
         If a limit state fails or is not a number.
     InputError

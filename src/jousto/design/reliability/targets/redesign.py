@@ -118,7 +118,7 @@ class Redesign:
         return moment_derivative(T, u, T.to_x(u), one, 0, tied=True)
 
     def slope_at(self, d: Array, i: int, u: Array, g_u: Array) -> Array:
-        """Return the derivatives by the design from known dg/du: calls for fixed values only."""
+        """Return the derivatives by the design from known dg/du; only fixed values need calls."""
         space = self.space_at(d, i)
         G_x = space.gradient_x(u, g_u)
         out = np.empty(len(d))

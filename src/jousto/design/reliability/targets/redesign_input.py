@@ -33,7 +33,7 @@ def read_redesign(
     Raises
     ------
     InputError
-        With all of that.
+        With all problems of the arguments.
     """
     problems = Problems()
     if method not in METHODS:

@@ -20,7 +20,7 @@ def has_slope(run: Solution) -> bool:
 
 
 def directional(case: Case, judge: Callable[[Solution, float], float]) -> float:
-    """Return a real-valued outcome of a run with its derivative along that of the motion.
+    """Return a real-valued outcome of a run, with its derivative along that of the motion.
 
     Fourth-order differences of `judge` between results that are shifted along their derivatives:
     evaluation after a run needs real numbers, and is smooth as long as places, instants and cycles

@@ -29,7 +29,7 @@ class Function(Outcome):
     name : str
         Name of the column.
     function : callable
-        ``function(run)`` of the `Solution`, or of what `of` names.
+        ``function(run)`` of the `Solution`, or of the argument that `of` names.
     of : {"run", "model", "mechanism", "case"}
         Argument of the function; only "run" and "case" need a simulation. A case has all of them
         and ``case.values``.

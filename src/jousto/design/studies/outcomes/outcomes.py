@@ -217,11 +217,12 @@ class Damage(Outcome):
     name : str
         Name of the column.
     check_name : str
-        A check of the model file or its body, or the body whose stress is counted by `sn`.
+        Name of a check in the model file or of its body, or of the body whose cycles are evaluated
+        by `sn`.
     life : bool
         Life, s, instead of damage.
     sn : SN, optional
-        S-N curve; that of the check if not given.
+        S-N curve; by default that of the check.
     options : dict
         Options of `jousto.fatigue.damage_field`, with an S-N curve: criterion, residue, mean and
         others.
@@ -386,7 +387,7 @@ def read_outcome(text: str) -> Outcome:
     Raises
     ------
     InputError
-        If it is none.
+        If the text is not an outcome.
 
     Examples
     --------
@@ -428,7 +429,7 @@ def read_outcomes(given: Any) -> tuple[Outcome, ...]:
     Raises
     ------
     InputError
-        Everything that is wrong with them.
+        With all problems.
     """
     if isinstance(given, (str, Outcome)) or callable(given):
         given = [given]

@@ -28,13 +28,13 @@ class Requirement:
     Attributes
     ----------
     name : str
-        Name of the requirement, else that of the outcome.
+        Name of the requirement, by default that of the outcome.
     left : str
         The outcome, or the name of one.
     below : bool
         Whether the bound is an upper one.
     bound : str
-        Arithmetic of parameters.
+        Expression of parameters.
     """
 
     name: str
@@ -74,12 +74,13 @@ class Requirement:
         known : dict of Quantity
             The parameters by name.
         unit : str, optional
-            Unit of the outcome; None where it is not known yet: then in SI.
+            Unit of the outcome; None if it is not known yet: the bound is then in SI.
 
         Raises
         ------
         InputError
-            If the bound is no arithmetic of these, or of another kind than the outcome.
+            If the bound is not an expression of these parameters, or has another dimension than the
+            outcome.
         """
         where = f"limit {self.text!r}"
         try:
@@ -106,7 +107,7 @@ def read_requirement(text: str) -> Requirement:
     Raises
     ------
     InputError
-        If it is none.
+        If the text is not a requirement.
 
     Examples
     --------

@@ -31,8 +31,7 @@ def distribution_from_moments(
     Parameters
     ----------
     kind : {"normal", "lognormal", "uniform", "gumbel", "gumbel-min", "weibull", "gamma"}
-        "gumbel" is the law of maxima (loads), "gumbel-min" and "weibull" are those of minima
-        (strengths).
+        "gumbel" is for maxima (loads), "gumbel-min" and "weibull" are for minima (strengths).
     mean, deviation : float
         Both in the unit of the variable.
     start : float, optional
@@ -174,7 +173,7 @@ def read_distribution(text: str, mean: float, exponents: tuple[float, ...], wher
     text : str
         Text such as ``normal(sd=2 mm)``.
     mean : float
-        The mean where the text names none.
+        Mean if the text contains none.
     exponents : tuple
         Exponents of the parameter's unit; plain numbers are in its SI unit.
     where : str
@@ -183,7 +182,7 @@ def read_distribution(text: str, mean: float, exponents: tuple[float, ...], wher
     Raises
     ------
     InputError
-        Everything that is wrong with it.
+        With all problems.
 
     Examples
     --------

@@ -31,7 +31,7 @@ class Parameter:
     value : float
         Nominal value.
     bounds : (float, float), optional
-        Smallest and largest value that make sense.
+        Smallest and largest meaningful value.
     unit : str
         SI unit of the value: "m", "Pa", "N/m"; "1" for a plain number.
     distribution : str or distribution of scipy.stats, optional
@@ -42,8 +42,8 @@ class Parameter:
     Raises
     ------
     InputError
-        For bounds that are crossed or do not hold the value, a unit that is not SI, a distribution
-        that does not exist or has no finite mean and deviation.
+        If the bounds are reversed or do not include the value, the unit is not SI, or the
+        distribution is unknown or has no finite mean and deviation.
 
     Examples
     --------

@@ -65,7 +65,7 @@ def check_count(where: str, *factors: float) -> None:
     Raises
     ------
     InputError
-        With the number.
+        With the largest number of points in the message.
     """
     total = math.prod(factors)
     if total > MOST:
@@ -93,8 +93,8 @@ def grid(parameters: Parameters, levels: int | Mapping[str, int | ArrayLike] = 1
     parameters : sequence of Parameter
         The columns; the last one changes fastest.
     levels : int or dict
-        Number of values between the bounds, common or by name; or the values by name. Parameters
-        that a dictionary does not name keep their nominal value.
+        Number of values between the bounds (for all parameters, or by name), or the values by name.
+        Parameters that a dictionary does not name keep their nominal value.
 
     Returns
     -------
@@ -103,7 +103,7 @@ def grid(parameters: Parameters, levels: int | Mapping[str, int | ArrayLike] = 1
     Raises
     ------
     InputError
-        For unknown names, and numbers of values of a parameter without bounds.
+        For unknown names, and for a number of values if the parameter has no bounds.
     """
     parameters = _as_parameters(parameters)
     axes: list[Array] = []
@@ -129,7 +129,7 @@ def grid(parameters: Parameters, levels: int | Mapping[str, int | ArrayLike] = 1
 
 @explained
 def latin_hypercube(parameters: Parameters, count: int, *, seed: int = 0) -> Array:
-    """Return points with one in each of `count` strata of every parameter.
+    """Return a Latin hypercube: one point in each of `count` strata of every parameter.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def latin_hypercube(parameters: Parameters, count: int, *, seed: int = 0) -> Arr
 
 @explained
 def sobol(parameters: Parameters, count: int, *, seed: int = 0) -> Array:
-    """Return the first points of a scrambled Sobol sequence; best a power of two.
+    """Return the first points of a scrambled Sobol sequence; a power of two is best.
 
     Parameters
     ----------

@@ -134,7 +134,7 @@ def is_library(thing: Any) -> bool:
 
 @functools.lru_cache(maxsize=1000)
 def source_of(code: types.CodeType) -> object:
-    """Return the source of a function, with its bytecode where several share a line."""
+    """Return the source of a function, with its bytecode if several share a line."""
     try:
         text = inspect.getsource(code)
     except (OSError, TypeError):

@@ -242,7 +242,7 @@ class Evaluator:
             yield (nothing, job.failed) if job.failed else (job.found, "")
 
     def _for_each_job(self, jobs: Iterable[Job], do: Callable[[Job], None]) -> None:
-        """Apply a function to every job without error and record exceptions as its error."""
+        """Apply a function to every job without an error; its exception becomes the job's error."""
         for job in jobs:
             if not job.failed:
                 try:

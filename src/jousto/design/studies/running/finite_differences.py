@@ -45,7 +45,7 @@ def difference_models(make: Callable[[float], Any], h: float) -> Any:
 
 
 def _differentiate(five: Sequence[Any], h: float) -> Any:
-    """Return the first of five equal structures with its derivative; itself if it has none."""
+    """Return the first of five equal structures with its derivative; unchanged if it has none."""
     thing = five[0]
     if isinstance(thing, np.ndarray) or hasattr(thing, "tocsr"):
         return _differentiate_array(five, h)

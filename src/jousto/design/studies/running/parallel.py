@@ -308,7 +308,7 @@ def run_dask(
 
 
 def _should_retry(tries: Counter[int], point: int, error: Any, killed: type) -> bool:
-    """Return whether to repeat a point: its result was lost without a crash at it."""
+    """Return whether to repeat a point whose result was lost without a crash at it."""
     tries[point] += 1
     return not isinstance(error, killed) and tries[point] <= MOST_DEATHS
 
