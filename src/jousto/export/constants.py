@@ -140,7 +140,7 @@ class _Writer:
         return Constants(f"{first}\n{fixed}", tunable, self.places, fixed)
 
     def _tuned(self, native: Any) -> dict[str, str]:
-        """Collect the tunable values, then write the structs that point to them."""
+        """Collect the tunable values; then write the structs that point to them."""
         gravity = [float(native.gravity[k]) for k in range(3)]
         self.places["gravity", 0] = 0
         self.tunable += gravity

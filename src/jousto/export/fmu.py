@@ -147,7 +147,7 @@ def slopes(code: dict[str, str], made: Program) -> dict[str, str]:
 
 
 def why_not_exchanged(model: Model) -> str:
-    """Return why a model has no model exchange; empty if it has."""
+    """Return why a model cannot be exchanged (model exchange); empty if it can."""
     if model.events:
         return "events of the machine are found in its own steps"
     if any(friction.sticks for friction in model.frictions):

@@ -73,7 +73,7 @@ class StepTimes:
         return self.share(0.5)
 
     def rate(self, margin: float = 2.0) -> float:
-        """Return the largest step rate, Hz, at which 99.99 % of the steps have a margin.
+        """Return the largest step rate, Hz, at which 99.99 % of the steps keep a time margin.
 
         ``1 / rate`` is `margin` times the 99.99 % quantile of the step times. The rate is that of
         the computer; the accuracy of the motion at this step is not considered.
