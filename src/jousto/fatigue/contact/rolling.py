@@ -46,7 +46,7 @@ class RollingLife:
 
     @property
     def worst(self) -> float:
-        """Depth of the largest damage, m; without damage that of the largest utilisation."""
+        """Depth of the largest damage, m; without damage, depth of the largest utilisation."""
         by = self.damage if self.damage.max() > 0.0 else self.utilisation
         return float(self.depth[int(np.argmax(by))])
 

@@ -168,7 +168,7 @@ def _verdict(p: Array, ranges: Array, drift: Array, like: int) -> str:
 
 
 def _large_turns(x: Array, small: float) -> NDArray[np.int64]:
-    """Return the indices of the turning points that remain without turns smaller than `small`."""
+    """Return the indices of the turning points left after removing turns smaller than `small`."""
     values, index = turning_points(x)
     kept: list[int] = [0]
     for k in range(1, len(values)):

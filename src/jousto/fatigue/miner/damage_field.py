@@ -179,7 +179,7 @@ class DamageField(Tabular):
 
     @property
     def once(self) -> bool:
-        """Whether the safety is that of one repetition, since no required life was given."""
+        """Whether the safety is that of one repetition, because no required life was given."""
         return self.required == self.duration
 
     @property

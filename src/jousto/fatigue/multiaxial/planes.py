@@ -65,7 +65,7 @@ class Findley(Declared, by_value=True):
         return np.maximum(np.asarray(shear) + self.k * np.asarray(normal), 0.0)
 
     def equivalent(self, value: ArrayLike) -> Array:
-        """Return the uniaxial stress amplitude at R = -1 with the same f, Pa.
+        """Return the uniaxial stress amplitude at R = -1 with the same parameter f, Pa.
 
         It is ``2 f / (k + sqrt(1 + k^2))``, for an S-N curve of alternating tension.
         """
@@ -202,7 +202,7 @@ def normals(step: float = COARSE) -> Array:
 
 
 def nearness(normal: Array) -> tuple[float, ...]:
-    """Return a sort key, the largest for the normal nearest to the first axis, then to the second.
+    """Return a sort key: largest for the normal nearest to the first axis, then the second.
 
     Among mirrored normals positive components come first. Components are rounded to 1e-3, which is
     above the difference of two normals of one plane on the finest grid.
