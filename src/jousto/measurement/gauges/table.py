@@ -242,7 +242,7 @@ def _check_heads(
 
 
 def _are_units(row: list[str], above: list[str]) -> bool:
-    """Return whether a line has units in all fields, or in half of them and more than above.
+    """Return whether a line contains units: in all fields, or in half and more than above.
 
     So an unknown unit is reported as such and does not turn the others into names.
     """

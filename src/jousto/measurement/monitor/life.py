@@ -90,7 +90,7 @@ class LifeMeter:
         high: Array,
         seen: NDArray[np.bool_] | None = None,
     ) -> None:
-        """Count samples (k, ns), Pa; skip samples outside the mask `seen` (k,)."""
+        """Count samples (k, ns), Pa, and skip those outside the mask `seen` (k,)."""
         half = 0.5 * (high - low)
         away = stress - self._centre
         self.meters["value"].push(stress)

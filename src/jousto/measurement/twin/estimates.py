@@ -163,7 +163,7 @@ class Step:
 
 
 class Follower(Protocol):
-    """Protocol of the data that an estimate needs of its observer."""
+    """Protocol of the data that an estimate needs from its observer."""
 
     system: System
     channels: Channels

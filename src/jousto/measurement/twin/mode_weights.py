@@ -1,4 +1,4 @@
-"""weigh_modes: a prior of modal coordinates by their stiffness, of the size that strains tell."""
+"""weigh_modes: prior of modal coordinates by their stiffness, with a size from the strains."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ class WeighedModes:
 
     @property
     def unseen(self) -> tuple[int, ...]:
-        """Numbers, from 1, of the modes of which the strains decide less than 1 %."""
+        """Numbers, from 1, of the modes that the strains determine to less than 1 %."""
         return tuple(int(j) + 1 for j in np.flatnonzero(self.seen < UNSEEN))
 
     def __str__(self) -> str:
@@ -259,7 +259,7 @@ def _weighed(
 def _check_loads(
     problems: Problems, where: str, H: Array, flexibility: Array, L: Array, part: ReducedPart | None
 ) -> None:
-    """Raise an error for loads without strain (columns of H), or that gauges cannot distinguish."""
+    """Raise an error for loads without strain (columns of H), or alike for all gauges."""
     size = np.linalg.norm(H, axis=0)
     moved = np.linalg.norm(L, axis=0)
     if part is not None:  # a load at a clamp causes no motion except round-off
@@ -280,7 +280,7 @@ def _check_loads(
 
 
 def _rest(S: Array, H: Array, E: Array, K: Array) -> Array:
-    """Return the covariance (ng, ng) of the strains of motions beside the loads.
+    """Return the covariance (ng, ng) of strains from motions not caused by the loads.
 
     All in units of the noise: strains of modes S (ng, n), of unit loads H (ng, na), measured E
     (ng, nt). The kind and the weight have the largest restricted likelihood.
@@ -303,7 +303,7 @@ def _rest(S: Array, H: Array, E: Array, K: Array) -> Array:
 
 
 def _stiffness(problems: Problems, where: str, part: Any, n: int) -> Array | None:
-    """Return the stiffness (n, n) of the modes, or report one that does not fit."""
+    """Return the stiffness (n, n) of the modes, or report one of the wrong size."""
     given = part.stiffness if isinstance(part, ReducedPart) else part
     if given is None or isinstance(given, str | Part):
         problems.add(

@@ -43,7 +43,7 @@ def given_at_nodes(
 def loads_at_nodes(
     problems: Problems, where: str, reduced: ReducedPart, loads: BodyLoads, time: Array
 ) -> list[Load]:
-    """Return the loads on a body at the nodes of a part in its frame, without the body's own."""
+    """Return the loads on a body at the nodes of a part in its frame, without its own loads."""
     here, found = loads.resolved("body"), []
     if here.time.shape != time.shape or not np.array_equal(here.time, time):
         problems.add(where, "loads have other instants than the run; give loads_of(run, body)")

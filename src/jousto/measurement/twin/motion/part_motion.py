@@ -127,7 +127,7 @@ def _acceleration(
     soft: Array,
     x: Array,
 ) -> Array:
-    """Return p'' at the end of a step whose inertial force includes that of p''."""
+    """Return p'' at the end of a step; the inertial force depends on p'' too."""
     force = inertial(motion, before + h * h / 4 * x, speed + h / 2 * x)
     return np.asarray((external + force) / soft)
 
