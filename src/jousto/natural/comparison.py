@@ -121,7 +121,7 @@ class Way:
 
     @property
     def worst(self) -> Compared | None:
-        """Reading with the largest difference, of those that must agree; None without any."""
+        """Reading with the largest difference, among those that must agree; None without any."""
         found = [row for row in self.rows if row.unique and row.settles]
         return max(found, key=lambda row: row.fine, default=None)
 
@@ -133,7 +133,7 @@ class Way:
 
     @property
     def far(self) -> bool:
-        """Whether the verdict mentions it: differences of per cents, or no comparison."""
+        """Whether the verdict mentions this variant: large differences, or no comparison."""
         return bool(self.failed) or (self.worst is not None and self.worst.fine > FAR)
 
     @property
@@ -143,7 +143,7 @@ class Way:
 
     @property
     def said(self) -> str:
-        """Result of the comparison as a text."""
+        """Result of the comparison with this variant, as a text."""
         row = self.worst
         if self.failed or row is None:
             return f"not compared: {self.failed or 'no reading in common'}"

@@ -114,7 +114,7 @@ def _difference(course: Course, sensor: Sensor, a: list[Solution], b: list[Solut
 
 
 def run_variant(name: str, make: Callable[[], tuple[Compared, ...]]) -> Way:
-    """Return the differences of a variant, or the reason of its failure; without warnings."""
+    """Return the differences of a variant, or why it failed; warnings are not shown."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", JoustoWarning)

@@ -35,7 +35,7 @@ class Exchange:
         self._kept: list[Any] = []  # references to old objects, so that their ids stay valid
 
     def __call__(self, old: Any) -> Any:
-        """Return the copy of an object; the object itself if it refers to no replaced one."""
+        """Return the copy of an object, or the object itself if it refers to no replaced one."""
         if id(old) not in self.new:
             self._kept.append(old)
             self.new[id(old)] = self._made(old)

@@ -126,14 +126,14 @@ class Verification:
 
     @property
     def verdict(self) -> str:
-        """Result in one sentence, with differing variants and a note if nothing moved."""
+        """Result in one sentence, with the variants that differ, and a note if nothing moved."""
         others = "".join(f"; {way.name} {way.said}{way.hint}" for way in self._elsewhere)
         idle = "; but nothing moved in the run: " + IDLE if self.still else ""
         return f"{self._result}{others}{idle}"
 
     @property
     def _elsewhere(self) -> tuple[Way, ...]:
-        """Variants with large differences or an early end, without those of the result."""
+        """Variants with large differences or an early end that the result does not name."""
         ways = self.ways[1:] if self.unknown else self.ways
         return tuple(way for way in ways if way.far)
 
@@ -181,7 +181,7 @@ class Verification:
 
     @property
     def _share(self) -> str:
-        """Text on readings that are not compared because friction is not unique, with remedy."""
+        """Text on readings not compared because friction is not unique, with the remedy."""
         names = some([f"'{name}'" for name in self.shared], 4)
         return (
             f"but the friction {names} depends on reactions that are not unique, so "

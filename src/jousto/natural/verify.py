@@ -170,7 +170,7 @@ def verify(
 def not_begun(
     mechanism: Mechanism, step: float, unknown: tuple[str, ...], why: str
 ) -> Verification:
-    """Return an undecided verification of a mechanism whose run cannot start."""
+    """Return an undecided verification for a mechanism whose run cannot start."""
     return Verification(
         name=mechanism.name,
         rows=(),
@@ -212,7 +212,7 @@ def outputs_of(t_end: float, step: float) -> tuple[float, float]:
 
 
 def method(solver: Any, chosen: bool, output: float, step: float) -> Any:
-    """Return a method with a step that divides the time between outputs, as half the step does."""
+    """Return a method whose step, and half of it, divide the time between outputs."""
     longest = min(solver.step, step) if chosen else solver.step
     return at_step(solver, output / np.ceil(output / longest * (1 - 1e-9)))
 
@@ -237,7 +237,7 @@ def by_both_steps(
 
 
 def half(run: Solution) -> int:
-    """Return the number of outputs in the first half of a run, before the cause of its stop."""
+    """Return the number of outputs in the first half of a run that stopped early."""
     return max(1, int(np.searchsorted(run.time, 0.5 * run.time[-1], side="right")))
 
 
@@ -257,7 +257,7 @@ def by_moving_frame(
 
 
 def facts_of(frames: list[NaturalRun], energy: tuple[float, ...]) -> dict[str, Any]:
-    """Return energy errors of both, and residuals and iterations of the moving frame."""
+    """Return energy errors of both formulations, and residuals of the moving frame."""
     return {
         "energy": (*energy[:2], *(frame.energy.relative_error for frame in frames)),
         "residual": float(frames[1].position_residual.max()),
@@ -300,7 +300,7 @@ def friction_not_unique(mechanism: Mechanism, model: Model) -> tuple[str, ...]:
 
 
 def of_position(row: Compared, kind: str) -> Compared:
-    """Return a row with the comparison of runs removed, for a mechanism with unique positions only.
+    """Return a row without its comparison of runs, for mechanisms where only positions are unique.
 
     It is for friction that is not unique, on which accelerations and reactions depend.
     """
@@ -324,12 +324,12 @@ def not_known(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def at_step(solver: Any, step: float) -> Any:
-    """Return a method with another step; an adaptive method is unchanged."""
+    """Return a method with another step; adaptive methods are unchanged."""
     return solver if solver.adaptive else replace(solver, step=step)
 
 
 def by_engine(model: Model, run: Solution, times: Array) -> dict[str, Array]:
-    """Return the sensor values by the equations of the engine at instants of a run.
+    """Return sensor values by the equations of the engine, at instants of a run.
 
     The accelerations stored by implicit methods satisfy the velocity constraints, but differ from
     these equations by the error of a step.

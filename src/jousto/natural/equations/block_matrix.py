@@ -153,7 +153,7 @@ class Layout:
         return Slopes(self.constraints, np.asarray(flat).reshape(shape))
 
     def _held(self, bodies: Index) -> Index:
-        """Return the bodies (m, k) of every constraint, without repetition, padded by nb."""
+        """Return the bodies (m, k) of every constraint, each once, padded by nb."""
         rows: list[dict[int, int]] = [{} for _ in range(self.F.shape[0])]
         at, which, factors = [], [], []
         entries = self.F.tocoo()

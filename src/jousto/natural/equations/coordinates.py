@@ -59,7 +59,7 @@ class Products:
         return np.asarray(np.sum(P * Q, axis=1))
 
     def gradient(self, a: Array, b: Array) -> Array:
-        """Return Q on the axis of a, P on the axis or point of b, -P on the point of a."""
+        """Return the gradient: Q on the axis of a, P on the axis or point of b, -P on a's point."""
         P, Q = self._factors(a, b)
         g = np.zeros((len(P), 2, 4, 3))
         g[self.each, 0, self.axes[:, 0]] = Q
@@ -93,7 +93,7 @@ class Gaps:
         return np.asarray((b[:, 0] - a[:, 0])[self.each, self.axes])
 
     def gradient(self, a: Array, b: Array) -> Array:
-        """Return -1 for a and 1 for b."""
+        """Return the gradient: -1 for the point of a and 1 for that of b."""
         g = np.zeros((len(self.each), 2, 4, 3))
         g[self.each, 0, 0, self.axes] = -1.0
         g[self.each, 1, 0, self.axes] = 1.0
@@ -115,7 +115,7 @@ class Distances:
         return np.asarray(np.linalg.norm(b[:, 0] - a[:, 0], axis=1))
 
     def gradient(self, a: Array, b: Array) -> Array:
-        """Return the direction from a to b."""
+        """Return the gradient: the direction from a to b."""
         d = b[:, 0] - a[:, 0]
         g = np.zeros((len(d), 2, 4, 3))
         g[:, 1, 0] = d / np.linalg.norm(d, axis=1)[:, None]
@@ -145,7 +145,7 @@ class Angles:
         return np.asarray(np.arctan2(*self._parts(a, b)))
 
     def gradient(self, a: Array, b: Array) -> Array:
-        """Return ``(c ds - s dc) / (s^2 + c^2)``."""
+        """Return the gradient ``(c ds - s dc) / (s^2 + c^2)`` with s, c the arguments of atan2."""
         s, c = (x[:, None] for x in self._parts(a, b))
         square = s * s + c * c
         g = np.zeros((len(a), 2, 4, 3))
