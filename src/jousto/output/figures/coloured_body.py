@@ -98,7 +98,7 @@ def mark_place(
 
 
 def is_hidden(shape: BodyShape, view: View, position: Array) -> bool:
-    """Return whether the surface of a body is in front of a place; lines hide nothing."""
+    """Return whether the surface of a body hides a place; bodies drawn as lines hide nothing."""
     if shape.elements.ndim != 2 or shape.elements.shape[1] != 3 or not len(shape.elements):
         return False
     x, p = view.project(shape.nodes), view.project(position[None])[0]

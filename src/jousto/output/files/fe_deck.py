@@ -227,7 +227,7 @@ def abaqus_type(group: SolidGroup) -> str:
 
 
 def continued(numbers: list[int]) -> Iterator[str]:
-    """Yield the lines of whole numbers, continued by a comma."""
+    """Yield lines of whole numbers; a comma at the end of a line continues it."""
     for start in range(0, len(numbers), IN_LINE):
         more = "," if start + IN_LINE < len(numbers) else ""
         yield ", ".join(map(str, numbers[start : start + IN_LINE])) + more
@@ -237,7 +237,7 @@ def continued(numbers: list[int]) -> Iterator[str]:
 
 
 def nastran_lines(deck: Deck, program: str) -> Iterator[str]:
-    """Yield the lines of a deck for Nastran: a subcase of SOL 101 for each instant."""
+    """Yield the lines of a deck for Nastran, with a subcase of SOL 101 for each instant."""
     yield from (
         f"$ {line}" for line in [f"{harmless(deck.part.name)}, from {'jousto'}", *deck.title]
     )

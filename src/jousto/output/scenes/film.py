@@ -27,7 +27,7 @@ COLORS = 128  # colours of a GIF
 
 
 def frame_rate(suffix: str, fps: float) -> float:
-    """Return the nearest frame rate of the format: GIF delays are multiples of 0.01 s."""
+    """Return the nearest frame rate that a format allows: GIF delays are multiples of 0.01 s."""
     return 100.0 / max(2, round(100.0 / fps)) if suffix == "gif" else fps
 
 

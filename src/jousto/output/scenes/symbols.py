@@ -59,7 +59,7 @@ NO_SYMBOLS = Symbols((), np.zeros((1, 0, 2, 3)), np.zeros((0, 2)))
 
 
 def make_symbols(found: Sequence[Symbol], rows: Array, scale: float, view: View | None) -> Symbols:
-    """Return the symbols of a picture at rows of the scene; without a view in the world."""
+    """Return the symbols of a picture at rows of the scene, in the world if no view is given."""
     shown = [one for one in found if one.kind in KINDS and len(one.sides) > 1]
     ends = np.zeros((len(rows), len(shown), 2, 3))
     for k, one in enumerate(shown):
