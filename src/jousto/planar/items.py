@@ -209,7 +209,7 @@ class LinearLink:
 
 @dataclass(frozen=True, eq=False)
 class FunctionLink:
-    """Displacements of nodes as a function of those of masters and of own coordinates.
+    """Displacements of nodes as a function of master displacements and further coordinates.
 
     Parameters
     ----------

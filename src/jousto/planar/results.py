@@ -233,7 +233,7 @@ class PlanarRun(Shapes):
         return not self.failure
 
     def state(self, k: int = -1) -> PlanarState:
-        """Return the state at a step; from the last one a run continues exactly."""
+        """Return the state at a step; a run that starts from the last state continues exactly."""
         last = k in (-1, self.steps)
         s = self.method_accelerations if last else None
         return PlanarState(self.q[k], self.v[k], float(self.time[k]), self.a[k], s)
