@@ -278,7 +278,7 @@ def _common(
     start: float | None,
     end: float | None,
 ) -> tuple[float, float]:
-    """Return the first and last instant of the overlap of both runs and the time window."""
+    """Return the first and last instant that both runs and the time window contain."""
     spans = [
         (float(run.time[0]), float(run.time[-1])) if run.nt else (1.0, 0.0) for run in (one, two)
     ]

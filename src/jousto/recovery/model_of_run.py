@@ -1,4 +1,4 @@
-"""The model of a run: that of the run itself, or a given one that reproduces what is stored."""
+"""The model of a run: its own, or a given one that reproduces the stored values."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def model_of_run(run: Solution, given: Model | None, where: str) -> Model:
 
 
 def check_model(run: Solution, model: Model, where: str) -> None:
-    """Refuse a model of which the run is not one.
+    """Raise an error for a model that is not the one of the run.
 
     Bodies, modes, joints and internal states must be the same, gravity and total mass, too. The
     model is then put into the state of several stored instants: its energies, reactions and
@@ -151,14 +151,14 @@ class _Values:
 
 
 def _each(run: Solution, model: Model, instants: list[int]) -> Iterator[tuple[Engine, State]]:
-    """Yield the engine of a model, in maximal coordinates, with each state."""
+    """Yield the engine of a model, in maximal coordinates, set to each state."""
     engine = Engine(replace(model, tree=()))
     for state in run.each_state(instants):
         yield engine, state
 
 
 def _at(engine: Engine, run: Solution, state: State) -> _Values:
-    """Return what an engine computes at a state."""
+    """Return the values that an engine computes at a state."""
     engine.lam[:] = 0.0  # multipliers of joints that an event has released
     put(engine, replace(state, work=None), run.where)  # kinematics does not use the work
     a = np.real(engine.accelerations()[0]).copy()
@@ -169,7 +169,7 @@ def _at(engine: Engine, run: Solution, state: State) -> _Values:
 def _deviation(
     what: str, time: Array, own: Array, stored: Array, level: float, unit: str = ""
 ) -> Iterator[str]:
-    """Yield where a quantity (nt,) or (nt, k) deviates most, if by more than a level."""
+    """Yield the largest deviation of a quantity (nt,) or (nt, k) if it exceeds a level."""
     if not own.size:
         return
     own, stored = own.reshape(len(time), -1), stored.reshape(len(time), -1)
@@ -185,14 +185,14 @@ def _deviation(
 
 
 def _instants(nt: int, energies: Array) -> list[int]:
-    """Return instants spread over nt stored ones, and those of the extreme energies."""
+    """Return instants spread over nt stored ones, with the instants of extreme energies."""
     spread = np.linspace(0, nt - 1, min(TESTED, nt)).astype(int)
     extreme = (*energies.argmax(axis=0), *energies.argmin(axis=0))
     return [int(k) for k in np.unique([*spread, *extreme])]
 
 
 def _without_events(run: Solution, instants: list[int]) -> Ints:
-    """Return the places among instants of those at which no event happens."""
+    """Return positions in a list of instants at which no event happens."""
     pairs = zip(
         run.each_state([max(k - 1, 0) for k in instants]), run.each_state(instants), strict=True
     )
@@ -207,7 +207,7 @@ def _without_events(run: Solution, instants: list[int]) -> Ints:
 
 
 def _other_accelerations(run: Solution, model: Model) -> Iterator[str]:
-    """Yield accelerations that do not integrate to the stored velocities, where these resolve them.
+    """Yield accelerations that contradict the stored velocities, where these resolve them.
 
     Simpson's rule over three instants, its error estimated by the trapezoidal rule. Three
     quarters of the tested places must deviate: at a few of them there may be impacts.
@@ -270,7 +270,7 @@ def _turning(model: Model) -> Ints:
 
 
 def _simpson(t: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Return integral, integral of the size and error over three instants of y (3, n)."""
+    """Return the integral of y (3, n) over three instants, that of its size, and the error."""
     h, k = t[1] - t[0], t[2] - t[1]
     # integral of the parabola through three points
     weights = (h + k) / 6.0 * np.array([2.0 - k / h, (h + k) ** 2 / (h * k), 2.0 - h / k])

@@ -107,7 +107,7 @@ def check_criterion(criterion: Any, strain: bool = False, where: str = "criterio
 
 
 def weights(criterion: Criterion, strain: bool = False) -> Array | None:
-    """Return weights w (6,) of a linear criterion ``w . s``, Voigt order; None of others."""
+    """Return weights w (6,) of a linear criterion ``w . s``, Voigt order; None if nonlinear."""
     if isinstance(criterion, Plane):
         n, shear = criterion.normal, 1.0 if strain else 2.0
         return np.array([n[i] * n[j] * (1.0 if i == j else shear) for i, j in PAIRS])

@@ -193,7 +193,7 @@ class StressField:
 
     @cached_property
     def pieces(self) -> tuple[tuple[slice, slice], ...]:
-        """Slices of sites with the slices of p on which they depend; one pair unless a beam."""
+        """Slices of sites and the slices of p on which they depend; one pair except for beams."""
         n = self.S.shape[2]
         if self.columns is None:
             return ((slice(0, self.ns), slice(0, n)),)
@@ -269,7 +269,7 @@ class StressField:
     # -- tensors ------------------------------------------------------------------------------
 
     def at(self, time: float, sites: Sites = None) -> Array:
-        """Return the components (ns, 6) at one instant, s; linear between stored instants."""
+        """Return the components (ns, 6) at one instant, s, interpolated between stored instants."""
         p, A = self._rows(np.array([time], dtype=np.float64))
         # no copy of the modes if all sites are wanted
         chosen = self if sites is None else self.only(sites)
@@ -390,7 +390,7 @@ class StressField:
         return found
 
     def _cuts(self, width: int) -> list[tuple[int, int]]:
-        """Return sites (first, last + 1) of blocks of about `width`; pieces of beams are whole."""
+        """Return sites (first, last + 1) of blocks of about `width`; pieces of beams stay whole."""
         if self.columns is None:
             return [(s, min(s + width, self.ns)) for s in range(0, self.ns, width)]
         cuts, first = [], 0

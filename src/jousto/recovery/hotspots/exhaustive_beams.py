@@ -78,7 +78,7 @@ def rounding(field: StressField) -> Array:
 
 
 def upper_bound(field: StressField, measure: Measure) -> float:
-    """Return an upper bound of all sites and instants of a body, ``sum_j |G S_j| max |p_j|``."""
+    """Return an upper bound for all sites and instants of a body, ``sum_j |G S_j| max |p_j|``."""
     length = np.sqrt(((measure.rows @ field.S) ** 2).sum(axis=1))
     bound = (length * _sizes(field)).sum(axis=1) + rounding(field)
     return float(bound.max(initial=-np.inf))

@@ -42,12 +42,12 @@ class Between:
 
     @property
     def bound(self) -> float:
-        """Upper bound of all sites between stored instants."""
+        """Upper bound for all sites between stored instants."""
         return self.curve + self.allowance
 
     @property
     def resolved(self) -> bool:
-        """Whether the allowance is small, so that the instants are close enough for the motion."""
+        """Whether the allowance is small, which means instants close enough for the motion."""
         return self.allowance <= RESOLVED * abs(self.curve)
 
 

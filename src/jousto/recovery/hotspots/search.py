@@ -187,7 +187,7 @@ def _refuse_standstill(places: Index, lower: Array, upper: Array) -> None:
 def _hope(
     lower: Array, alive: NDArray[np.bool_], positions: Array, count: int, apart: float
 ) -> float:
-    """Return a lower bound of the value of the last hot spot, from the known lower bounds."""
+    """Return a lower bound for the value of the last hot spot, from the known lower bounds."""
     known = np.where(alive, lower, -np.inf)
     if apart <= 0.0:
         if count > len(known):

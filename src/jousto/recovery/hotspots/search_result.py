@@ -106,7 +106,7 @@ class Found:
 
     @property
     def bound(self) -> float:
-        """Upper bound of the ranked value of all sites besides hot spots and their neighbours.
+        """Upper bound of the ranked value at all sites except hot spots and their neighbours.
 
         The ranked value of a search for the smallest values is minus the value. It is -inf if
         there are no other sites.
@@ -115,7 +115,7 @@ class Found:
 
     @property
     def bound_between(self) -> float:
-        """Upper bound of the ranked value of all sites between stored instants; nan if not known.
+        """Upper bound of the ranked value at all sites between stored instants; nan if unknown.
 
         It is valid for a motion that is smooth from one stored instant to the next, see `between`.
         """
@@ -131,7 +131,7 @@ class Found:
 
     @property
     def early(self) -> float | None:
-        """End of the first part of the time span, s, if it contains most of the hot spots; or None.
+        """End of the first part of the time span, s, if most hot spots are in it; else None.
 
         These hot spots may be due to the start-up transient.
         """

@@ -33,12 +33,12 @@ class Source:
 
     @property
     def place(self) -> str:
-        """Labels of its places, ``body.point``."""
+        """Labels of the places at which it acts, ``body.point``."""
         return ", ".join(label(marker) for marker in self.markers)
 
     @property
     def position(self) -> Array | None:
-        """Its place on the undeformed body (3,), m, if it acts at one place."""
+        """Its place on the undeformed body (3,), m, if it acts at a single place."""
         one = len(self.markers) == 1
         return np.array(np.real(self.markers[0].u0)) if one else None
 

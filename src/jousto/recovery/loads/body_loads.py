@@ -378,7 +378,7 @@ def group_norms(x: Array) -> Array:
 
 
 def load_names(loads: Sequence[BodyLoad]) -> list[str]:
-    """Return a name for each load: its own, with its place and a number if others have it too."""
+    """Return a name for each load; equal names get their place and a number."""
     own = Counter(load.name for load in loads)
     found: dict[str, None] = {}
     for load in loads:

@@ -32,7 +32,7 @@ rounding and to the tolerance of the iteration of dry friction."""
 def loads_of(
     run: Solution, body: str, times: ArrayLike | None = None, *, model: Model | None = None
 ) -> BodyLoads:
-    """Return all loads on a body over a run: what acts on it, and what its inertia requires.
+    """Return all loads on a body over a run: those that act on it, and those of its inertia.
 
     The accelerations and multipliers at each stored state are those of the engine. Every force,
     joint and friction of the model is evaluated by itself; gravity, inertia and elastic forces

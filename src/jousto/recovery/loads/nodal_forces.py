@@ -134,7 +134,7 @@ def _instants(
 
 
 def check_part(problems: Problems, where: str, loads: BodyLoads, part: Part) -> None:
-    """Report a part of beams, or one that is not that of the body."""
+    """Report a part of beams, or a part that is not that of the body."""
     nn = len(part.nodes)
     if part.dofs_per_node != 3 or part.solids is None:
         problems.add(

@@ -1,4 +1,4 @@
-"""Loads that a body has from its own motion and deformation: inertia, gravity, elastic forces."""
+"""Loads of a body from its own motion and deformation: inertia, gravity, elastic forces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ OWN = (GRAVITY, INERTIA, SPIN, CORIOLIS, ELASTIC, DAMPING)
 
 
 def own_loads(body: BodyModel, felt: Array, q: Array, v: Array, a: Array) -> dict[str, Array]:
-    """Return the loads of a body by kind, from its inertia invariants.
+    """Return these loads of a body by kind, from its inertia invariants.
 
     The equation of motion ``M a = Q`` of a modal body, written as a sum of loads that vanishes
     (d'Alembert; Altarriba 2010, eq. 96-98). With ``S = int u dm``, J the inertia about the origin,
@@ -99,6 +99,6 @@ def symmetric(x: Array) -> Array:
 
 
 def products(w: Array) -> Array:
-    """Return the products (nt, 6) that belong to xx yy zz yz xz xy in ``w . D w``."""
+    """Return products (nt, 6) of components of w for xx yy zz yz xz xy in ``w . D w``."""
     x, y, z = w.T
     return np.stack([x * x, y * y, z * z, 2 * y * z, 2 * x * z, 2 * x * y], axis=1)
