@@ -159,7 +159,7 @@ def _skin(pairs: Index, frame: FrameShape, pieces: int, k: int) -> Index:
 
 
 def _goes_on(frame: FrameShape, one: tuple[int, int], other: tuple[int, int]) -> bool:
-    """Return whether two elements join end to end with the same section and direction."""
+    """Return whether two elements join end to end in one direction, with the same section."""
     (e, i), (f, j) = one, other
     ends = [frame.origin[m] + s * frame.length[m] * frame.axes[m, :, 0] for m, s in (one, other)]
     near = np.linalg.norm(ends[0] - ends[1]) <= 1e-9 * frame.length[e]

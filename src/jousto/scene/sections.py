@@ -20,7 +20,7 @@ def tube(rings: int, k: int) -> Index:
 
 
 def walls(rings: int, k: int) -> Index:
-    """Return the triangles between rings of k corners, which follow one another."""
+    """Return the triangles between consecutive rings of k corners."""
     i = np.arange(k)
     j = (i + 1) % k
     side = np.concatenate([np.stack([i, j, j + k], 1), np.stack([i, j + k, i + k], 1)])

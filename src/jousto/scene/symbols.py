@@ -40,7 +40,7 @@ def drawn_symbols(
 
 
 def side_of(point: SymbolPoint, bodies: Sequence[BodyShape]) -> Side:
-    """Return a scene point of a body, with the body's column in a row."""
+    """Return a point of a body as scene point, with the body's column in a row."""
     frame = euler_parameters(point.axes)
     if point.body < 0:
         return Side(-1, 0, np.asarray(point.u0), None, frame)
