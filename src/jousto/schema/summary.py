@@ -132,7 +132,7 @@ def table_text(key: str, label: str, table: Table, units: tuple[str, str]) -> st
 
 
 def mesh_facts(mesh: Mesh) -> Facts:
-    """Return lines on a mesh, lengths in mm: these show wrong units best."""
+    """Return lines on a mesh, lengths in mm, in which wrong units are easy to see."""
     low, high = mesh.bounds
     kinds: dict[str, int] = {}
     for block in mesh.cells:

@@ -68,7 +68,7 @@ class Document:
         return value
 
     def told(self, loc: Loc, message: str) -> str:
-        """Return a message, extended by the expression that gave the value at a path."""
+        """Return a message, with the expression that gave the value at a path if there is one."""
         text = self.expressions.get(loc)
         return message if text is None else f"{message}; from {text}"
 

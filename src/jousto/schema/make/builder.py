@@ -135,7 +135,7 @@ class Builder:
     def warn(
         self, loc: Loc, item: warnings.WarningMessage, own: set[str], name: Any = None
     ) -> None:
-        """Store a warning with its path; those of other libraries are issued later."""
+        """Store a warning with its path; warnings of other libraries are issued later."""
         if not issubclass(item.category, JoustoWarning):
             self.foreign.append(item)
             return

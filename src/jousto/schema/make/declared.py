@@ -54,7 +54,7 @@ class Place:
         return replace(self, loc=(*self.loc, key))
 
     def unit(self, unit: Any = None) -> str:
-        """Return the SI unit of the field, or of another unit for the same coordinate."""
+        """Return the SI unit of the field, or that of a given unit for the same coordinate."""
         unit = self.field.unit if unit is None else unit
         if isinstance(unit, str):
             return unit

@@ -111,7 +111,7 @@ class Joined(Mapping[str, Any]):
 
 
 class Held:
-    """Named frame on a link of a robot, which gives markers as a body does."""
+    """Named frame on a link of a robot; it returns markers as a body does."""
 
     def __init__(self, name: str, marker: Marker) -> None:
         self.name, self.marker = name, marker

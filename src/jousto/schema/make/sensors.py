@@ -19,7 +19,7 @@ def axes(place: Place, value: Any) -> Any:
 
 
 def sites(place: Place, value: Any) -> Any:
-    """Return the labels of stress sites; for a position that of the nearest site."""
+    """Return the labels of stress sites; a position selects the nearest site."""
     stress = getattr(getattr(place.values["body"], "reduced", None), "stress", None)
     return tuple(
         site if isinstance(site, str) or stress is None else stress.nearest(site) for site in value
