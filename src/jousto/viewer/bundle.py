@@ -59,7 +59,7 @@ def policy(socket: str) -> str:
 
 
 def served_page(title: str, query: str) -> str:
-    """Return the HTML of a served page; requests for script and style carry the token."""
+    """Return the HTML of a served page, which requests script and style with the token."""
     token = urlencode({"token": parse_qs(query)["token"][0]})
     return _document(
         title,

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Renewed(InputError):
-    """Exception: the content has changed, and the page must reload."""
+    """Exception: the content has changed, so that the page must reload."""
 
 
 class Watched:

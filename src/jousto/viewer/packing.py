@@ -141,7 +141,7 @@ def scaled(modes: Array) -> tuple[np.ndarray[Any, Any], list[float]]:
 
 
 def rounded(modes: Array) -> tuple[np.ndarray[Any, Any], list[float]]:
-    """Return arrays (n, ...) rounded to 16 bits (which compress well) with a scale factor each.
+    """Return arrays (n, ...) rounded to 16 bits, which compress well, with a scale factor each.
 
     The error is up to 2^-17, 8e-6 of the largest value of the array.
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """Vertex of a body with the row columns that it depends on.
+    """Vertex of a body, with the row columns on which it depends.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Point:
 
     @cached_property
     def columns(self) -> slice:
-        """Row columns that the point depends on."""
+        """Row columns on which the point depends."""
         body, rings = self.body, self.body.rings
         if rings is not None:
             i, j = self._element(rings)

@@ -186,7 +186,7 @@ class Server:
         await listening.wait_closed()
 
     async def _page(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Return the response to a request for a file; None accepts a WebSocket."""
+        """Return the response to a request for a file; None means to accept a WebSocket."""
         method = getattr(request, "method", "GET")  # websockets before version 16 accepts GET only
         if method != "GET":
             text = "" if method == "HEAD" else f"{method} is not allowed here, GET alone."
@@ -214,7 +214,7 @@ class Server:
         return _response(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
 
     def _refusal(self, request: Request) -> tuple[HTTPStatus, str] | None:
-        """Return the reason to refuse a request; None accepts it."""
+        """Return the reason to refuse a request; None means to accept it."""
         hosts = (f"{HOST}:{self._port}", f"localhost:{self._port}")
         given, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
         if len(given) != 1 or given[0] not in hosts:

@@ -68,7 +68,7 @@ class View:
         return self._server is not None and self._server.open()
 
     def wait(self) -> None:
-        """Wait until the page is closed or Ctrl-C: for the end of a script."""
+        """Wait until the page is closed, or Ctrl-C; for the end of a script."""
         if self._server is not None:
             self._server.wait()
 
@@ -218,7 +218,7 @@ def names_of(things: Sequence[Any], scenes: Sequence[Scene]) -> list[str]:
 
 
 def number_titles(titles: Sequence[str]) -> list[str]:
-    """Return titles, equal ones numbered.
+    """Return titles, with numbers added to equal ones.
 
     Examples
     --------

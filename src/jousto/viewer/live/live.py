@@ -167,7 +167,7 @@ class Live:
         return self._server.open()
 
     def wait(self) -> None:
-        """Wait until Ctrl-C, then close: for the end of a script."""
+        """Wait until Ctrl-C, then close; for the end of a script."""
         try:
             self._server.wait()
         finally:
