@@ -41,10 +41,10 @@ MOST_KNOWN = 100_000
 class Study:
     """A model as a function from parameters (n, np) to outcomes (n, no); see `study`.
 
-    ``study(X)`` are the outcomes, NaN at failed points; ``study.run(X)`` is a `StudyTable`.
+    ``study(X)`` returns the outcomes, NaN at failed points; ``study.run(X)`` is a `StudyTable`.
     Intermediate results are reused between points: reductions by the content of part, method and
     options, parts of a model file by their entry, compiled models by the parameter values that they
-    depend on; a change of external inputs needs a new run only.
+    depend on; a change of external inputs needs only a new run.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Study:
         Raises
         ------
         InputError
-            If it is no array of numbers, one for each parameter.
+            If `x` is not an array with one number for each parameter.
         """
         if x is None:
             return self.nominal
@@ -109,7 +109,7 @@ class Study:
         Parameters
         ----------
         x : (np,) array, optional
-            The point; the nominal values if not given.
+            The point; by default the nominal values.
         """
         return self._evaluator.case(self.point(x))
 
@@ -156,7 +156,7 @@ class Study:
         Returns
         -------
         list of (list of float, str)
-            Outcomes, and why a point failed; empty if it did not.
+            Outcomes of each point, and the reason of a failure; empty without a failure.
         """
         points = self._points(x).copy()
         for k, parameter in enumerate(self.parameters):
@@ -191,19 +191,19 @@ class Study:
         Parameters
         ----------
         samples : array (n, np), dict, path or int
-            The points; a dictionary is that of `grid`, a path a CSV file, a number that of points
-            of a Latin hypercube.
+            The points: an array, a dictionary for `grid`, the path of a CSV file, or the number of
+            points of a Latin hypercube.
         workers : int, "dask" or Client
-            Number of parallel points; "dask" is a cluster on this machine, a Client of Dask any
-            other.
+            Number of parallel points; "dask" for a cluster on this machine, or a Client of another
+            Dask cluster.
         how : {"threads", "processes", "dask"}
-            Threads share what was made before, and the engine works in them side by side; in
-            processes Python does as well. What a study is made of must then be importable.
+            Threads share cached results, and only the engine runs in parallel in them; in processes
+            Python code runs in parallel too, and the functions of the study must be importable.
         path : path, optional
-            File of the table (.h5, .csv, .parquet). Rows are written as they come into a file
-            beside it, ``NAME.jsonl``: after a kill the study goes on from there. A finished .h5
-            is gone on from as well. Of another study it is refused; functions are compared by
-            their text and what they hold, not by what they look up in their module.
+            File of the table (.h5, .csv, .parquet). Each finished row is written to a file beside
+            it, ``NAME.jsonl``, from which a killed study continues. A finished .h5 can be continued
+            too. A file of another study raises an error; functions are compared by their source and
+            captured values, not by the globals of their module.
         retry : bool
             Whether points that failed before are computed again.
         progress : bool or function, optional
@@ -212,12 +212,12 @@ class Study:
         Returns
         -------
         StudyTable
-            Points in the given order; failed ones with their reason.
+            Points in the given order; failed points with the reason.
 
         Raises
         ------
         InputError
-            If anything about samples, workers or files makes no sense.
+            If samples, workers or files are invalid.
         """
         points = self._points(samples)
         self._about()  # hash the study before functions change their captured values
@@ -344,18 +344,17 @@ def study(
     Parameters
     ----------
     model : callable, ModelFile, Mechanism or Model
-        A function whose arguments are parameters and that returns a `Mechanism`, a `Model` or a
-        `Solution`; a file from `read_model` with ``parameters``; or a machine whose external
-        inputs (`Input`) are the parameters. Parameters that the function does not take are inputs,
-        too.
+        A function of parameters that returns a `Mechanism`, a `Model` or a `Solution`; a file from
+        `read_model` with ``parameters``; or a machine whose external inputs (`Input`) are the
+        parameters. Parameters that are not arguments of the function are inputs too.
     parameters : sequence of Parameter or str, optional
-        Parameters to vary; of a file also by name, all of its parameters if not given.
+        Parameters to vary; for a file also names of its parameters, by default all of them.
     outcomes : str, callable, Outcome, sequence or dict
         Outcomes to compute: ``"max(tip.y)"`` (also min, peak, range, rms, mean, first, last),
         ``"mass"``, ``"mass(arm)"``, ``"frequency(1)"``, ``"stress(arm)"`` at its hot spot,
         ``"damage(arm)"``, ``"life(arm)"``, ``"reaction(pivot)"``, or a function of the `Solution`.
     samples : array (n, np), dict, path or int, optional
-        Points to work out at once, see `Study.run`; the table is ``study.table``.
+        Points to compute immediately, see `Study.run`; the table is ``study.table``.
     t_end, solver, output_step : optional
         Settings as in `simulate`; they take precedence over those of the file.
     state : State or callable, optional
@@ -371,7 +370,7 @@ def study(
     Raises
     ------
     InputError
-        Everything that does not fit the machine of the nominal values.
+        With all problems of parameters, outcomes and inputs for the nominal machine.
 
     Examples
     --------

@@ -33,8 +33,8 @@ def label(name: str, unit: str) -> str:
 class StudyTable(Tabular):
     """Parameters and outcomes of the points of a study.
 
-    ``table["wall"]`` and ``table["max(tip.y)"]`` are columns (n,); those of failed points are NaN
-    in the outcomes.
+    ``table["wall"]`` and ``table["max(tip.y)"]`` are columns (n,); outcomes of failed points are
+    NaN.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class StudyTable(Tabular):
     y : (n, no) array
         Outcomes, SI; NaN where a point failed.
     reasons : tuple of str
-        Why each point failed; empty where it did not.
+        Reason of each failed point; empty for the others.
     units : dict of str to str
         SI unit of every column.
     notes : dict of str to int
@@ -127,8 +127,8 @@ class StudyTable(Tabular):
     def to_pandas(self) -> Any:
         """Return a ``pandas.DataFrame``; needs the extra ``frames``.
 
-        ``frame.attrs["units"]`` has the unit of each column; the last
-        column, ``failed``, has the reason of a failure.
+        ``frame.attrs["units"]`` contains the unit of each column; the last column, ``failed``,
+        contains the reason of a failure.
 
         Raises
         ------
@@ -207,7 +207,7 @@ def read_study(path: str | Path) -> StudyTable:
     Raises
     ------
     InputError
-        If it is not there, damaged or something else.
+        If the file is missing, damaged or of another kind.
     """
     with open_format(Path(path), FORMAT, "the table of a study", REMEDY) as file:
         about = json.loads(str(file.attrs["about"]))

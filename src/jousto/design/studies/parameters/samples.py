@@ -203,10 +203,10 @@ def read_samples(path: str | Path, parameters: Parameters) -> Array:
     Parameters
     ----------
     path : path
-        CSV file. Its first line has names, ``wall`` or ``wall (mm)``; parameters that it does
-        not have keep their nominal value. Values may have units.
+        CSV file. Its first line contains names, ``wall`` or ``wall (mm)``; parameters without a
+        column keep their nominal value. Values may have units.
     parameters : sequence of Parameter
-        The columns that are wanted.
+        Parameters of the study, the columns of the result.
 
     Returns
     -------
@@ -215,7 +215,7 @@ def read_samples(path: str | Path, parameters: Parameters) -> Array:
     Raises
     ------
     InputError
-        Everything that is wrong with it, with lines.
+        With all problems of the file and their lines.
     """
     name, parameters = str(path), _as_parameters(parameters)
     check_text(Path(path))

@@ -29,8 +29,8 @@ PLAIN = (*NUMBERS, str, bytes, Path, tuple, list, set, frozenset, Mapping)
 def key_of(*things: object) -> str:
     """Return a hash of the content of objects, including functions.
 
-    The hash of a function covers its name, its source, its defaults and its captured values, but no
-    globals of its module; that of an object covers its class and its fields.
+    The hash of a function includes its name, source, defaults and captured values, but no globals
+    of its module; the hash of an object includes its class and its fields.
 
     Examples
     --------
@@ -163,7 +163,7 @@ def class_sources(kind: type) -> tuple[str, ...]:
     Raises
     ------
     NotHashable
-        If a class has none.
+        If a class has no source.
     """
     texts = []
     for own in kind.__mro__:

@@ -36,7 +36,7 @@ class Evaluator:
     Parameters
     ----------
     source : Source
-        Makes the machines.
+        Source of the machines.
     parameters : tuple of Parameter
         The columns of the points.
     outcomes : tuple of Outcome
@@ -161,7 +161,7 @@ class Evaluator:
         Raises
         ------
         InputError
-            Everything that does not fit it: inputs and outcomes that it does not know.
+            With all inputs and outcomes that the machine does not have.
         """
         with self._lock, self.count_warnings():
             case = self.case(np.array([p.value for p in self.parameters]))
@@ -226,7 +226,7 @@ class Evaluator:
     def rows(self, points: Iterable[Array]) -> Iterator[Row]:
         """Yield the rows of some points, each as soon as it is complete.
 
-        Only the runs are parallel in threads.
+        In threads only the runs are parallel.
         """
         jobs = [Job(x, self.out_of_bounds(x)) for x in points]
         with self._lock:
@@ -294,13 +294,13 @@ class OutcomeValue:
     Parameters
     ----------
     value : float
-        NaN if there is none.
+        NaN without a value.
     followed : bool
-        Whether the derivative is by differences along that of the motion.
+        Whether the derivative comes from differences along the derivative of the motion.
     error : Exception or None
-        Why there is no value.
+        Reason for a missing value.
     between : Exception or None
-        Why the model has its derivative by models on both sides.
+        Reason why the derivative of the model comes from models on both sides.
     whole : bool
         Whether a function returned a whole number by its type.
     """
@@ -321,11 +321,11 @@ class Job:
     x : (np,) array
         The point.
     failed : str
-        Why it failed; empty as long as it did not.
+        Reason of the failure; empty without a failure.
     case : Case or None
         Machine at the point.
     run : function or None
-        Runs it.
+        Function that runs the machine.
     found : list of float
         Values of the outcomes.
     """

@@ -31,8 +31,8 @@ def difference_models(make: Callable[[float], Any], h: float) -> Any:
     Parameters
     ----------
     make : callable
-        Function of a change; returns dataclasses, tuples, arrays and numbers, equal in form at all
-        five.
+        Function of a change; returns dataclasses, tuples, arrays and numbers, of equal form at all
+        five points.
     h : float
         The step.
 

@@ -61,7 +61,7 @@ def lock_exclusively(path: Path) -> Iterator[None]:
     Raises
     ------
     InputError
-        If another program still writes it, or it cannot be opened.
+        If another program still writes the journal, or it cannot be opened.
     """
     if not SHARED:
         yield

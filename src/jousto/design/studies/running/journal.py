@@ -33,26 +33,26 @@ class Journal:
     Parameters
     ----------
     path : Path
-        The file; it is made if it is not there.
+        The file; it is created if it does not exist.
     about : dict
         Identity of the study: names of parameters and outcomes, and the hash of the model.
 
     Attributes
     ----------
     rows : dict
-        Rows that were there, by their point.
+        Rows already in the file, by their point.
     sizes : tuple of int
         Numbers of parameters and outcomes in a row.
 
     Raises
     ------
     InputError
-        If the file is of another study, is none, or cannot be written.
+        If the file belongs to another study, is not a journal, or cannot be written.
 
     Warns
     -----
     JoustoWarning
-        Of lines that are not as they were written; their points are computed again.
+        For damaged lines; their points are computed again.
     """
 
     def __init__(self, path: Path, about: dict[str, Any]) -> None:
@@ -108,7 +108,7 @@ class Journal:
         Raises
         ------
         InputError
-            If it cannot be written.
+            If the row cannot be written.
         """
         write_row(self.path, x, row)
 
@@ -119,7 +119,7 @@ def check_same(path: Path, found: dict[str, Any], about: dict[str, Any]) -> None
     Raises
     ------
     InputError
-        If it is not the same.
+        If the study is not the same.
     """
     if found == about:
         return
@@ -172,7 +172,7 @@ def write_row(path: Path, x: Sequence[float], row: Row) -> None:
     Raises
     ------
     InputError
-        If it cannot be written.
+        If the row cannot be written.
     """
     try:
         line = {"x": [float(v) for v in x], "y": row[0], "failed": row[1]}

@@ -145,7 +145,7 @@ def portable(evaluator: Evaluator) -> bytes:
     Raises
     ------
     InputError
-        If it holds a function that cannot travel.
+        If the evaluator contains a function that cannot be pickled.
     """
     try:
         # cloudpickle also serialises functions of scripts and notebooks
@@ -339,7 +339,7 @@ def run_points(
     Raises
     ------
     InputError
-        If there is no such way.
+        If `how` is unknown.
     """
     client = workers if hasattr(workers, "submit") and hasattr(workers, "scatter") else None
     if workers == "dask":

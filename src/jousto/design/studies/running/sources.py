@@ -175,7 +175,7 @@ def source_of(model: Any, settings: Settings) -> Source:
     Raises
     ------
     InputError
-        If it is nothing that makes machines.
+        If `model` is not a source of machines.
     """
     variants = getattr(model, "variants", None)
     if variants is not None:
@@ -197,7 +197,7 @@ def choose_parameters(source: Source, given: Any) -> tuple[Parameter, ...]:
     Raises
     ------
     InputError
-        Everything that is wrong with them.
+        With all problems of the parameters.
     """
     known = {parameter.name: parameter for parameter in source.parameters}
     if given is None:
