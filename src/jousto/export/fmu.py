@@ -59,9 +59,9 @@ def write_fmu(
     solver : Solver, optional
         Method of fixed step; None is the choice of `simulate` for 10 s.
     state : State, optional
-        Initial state; None is that of the model.
+        Initial state; None: that of the model.
     name : str
-        Identifier of the model; empty is the name of the file.
+        Identifier of the model; empty: the name of the file.
     version : int
         2 or 3.
     on : iterable of str

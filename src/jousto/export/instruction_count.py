@@ -58,7 +58,7 @@ class Work:
 def work_of(model: Model, program: Path, folder: Path) -> Work | None:
     """Return the instruction count of a step of a program with timing.c; None without Valgrind.
 
-    It is the difference of two runs of different length.
+    The count is the difference of two runs of different length.
 
     Parameters
     ----------

@@ -28,15 +28,15 @@ class Port:
     Attributes
     ----------
     name : str
-        As a user knows it, ``tip.x``.
+        Name of the sensor or input, such as ``tip.x``.
     symbol : str
-        As an identifier of C, ``tip_x``; unique among the ports of its kind.
+        C identifier, such as ``tip_x``; unique among the ports of its kind.
     unit : str
         SI unit; "1" for none.
     about : str
-        A line of description.
+        Description in one line.
     place : int
-        Among the inputs, sensor values or tunable numbers of the program.
+        Index among the inputs, sensor values or tunable numbers of the program.
     start : float
         Value at the beginning.
     """
@@ -56,13 +56,13 @@ class Named:
     Attributes
     ----------
     name, unit : str
-        As the file has them.
+        Name and unit in the file.
     value : float
         Its value, SI.
     bounds : (float, float) or None
-        Smallest and largest value that make sense.
+        Smallest and largest meaningful value.
     links : tuple of (int, float, float)
-        The tunable numbers that it stands for: place, factor and offset of each.
+        Tunable numbers that depend on it: index, factor and offset of each.
     """
 
     name: str
@@ -273,7 +273,7 @@ def refuse(model: Model) -> None:
     Raises
     ------
     InputError
-        If forces are functions of Python.
+        If forces are Python functions.
     """
     problems = [
         Problem(

@@ -75,8 +75,8 @@ class StepTimes:
     def rate(self, margin: float = 2.0) -> float:
         """Return the largest step rate, Hz, at which 99.99 % of the steps keep a time margin.
 
-        ``1 / rate`` is `margin` times the 99.99 % quantile of the step times. The rate is that of
-        the computer; the accuracy of the motion at this step is not considered.
+        ``1 / rate`` is `margin` times the 99.99 % quantile of the step times. The rate depends on
+        the computer only; the accuracy of the motion at this step is not considered.
         """
         return 1.0 / (margin * self.share(0.9999))
 

@@ -25,7 +25,7 @@ def folder() -> Path:
     Raises
     ------
     InputError
-        If the installation does not contain them.
+        If the installation does not contain the sources.
     """
     here = Path(library.__file__).parent
     for place in (here.parents[3] / "engine", here / "engine"):
