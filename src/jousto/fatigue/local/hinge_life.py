@@ -41,18 +41,18 @@ class HingeCycles(Tabular):
     Attributes
     ----------
     range : (n,) array
-        Largest less smallest plastic deformation in each cycle, rad or m.
+        Range of the plastic deformation in each cycle, largest minus smallest, rad or m.
     drift : (n,) array
-        Plastic deformation at the end of each cycle less that at its start, rad or m.
+        Plastic deformation at the end of each cycle minus that at its start, rad or m.
     work : (n,) array
         Plastic work in each cycle, J.
     largest : float
         Largest magnitude of the plastic deformation over the history.
     verdict : str
-        "elastic": it never yields; "shakedown": it has yielded, and in the last cycle no longer;
-        "alternating": it yields to and fro in a closed loop; "ratchet": the last cycles add to it
-        the same way; "settling": it yields, in each of the last cycles less than before;
-        "undecided": it yields in the last cycle, and too few cycles before it are like it.
+        "elastic": the hinge never yields; "shakedown": it yields at first, but not in the last
+        cycle; "alternating": it yields in both directions, in a closed loop; "ratchet": in the last
+        cycles the deformation grows in one direction; "settling": it yields less from cycle to
+        cycle; "undecided": it yields in the last cycle, and too few cycles before are similar.
     """
 
     range: Array
@@ -99,9 +99,9 @@ class HingeCycles(Tabular):
 def hinge_cycles(moment: ArrayLike, plastic: ArrayLike, *, ignore: float = 0.05) -> HingeCycles:
     """Return the load cycles of a plastic hinge with the range of its deformation in each.
 
-    A cycle goes from one turning point of the moment to the next but one. They are counted back
-    from the end of the history, so that none of its end is left out; a half cycle that is over is
-    the first. The verdict compares up to three cycles, without one that begins with the history.
+    A cycle goes from one turning point of the moment to the next but one. Cycles are counted back
+    from the end of the history, so that its end is included; a remaining half cycle comes first.
+    The verdict compares up to three cycles, but none that begins with the history.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def hinge_cycles(moment: ArrayLike, plastic: ArrayLike, *, ignore: float = 0.05)
     plastic : (nt,) array_like
         Plastic deformation, rad or m: `ForceStateSensor`.
     ignore : float
-        Turns of the moment smaller than this share of its largest range are no cycles.
+        Reversals of the moment smaller than this share of its largest range do not count as cycles.
 
     Raises
     ------
@@ -215,8 +215,8 @@ def hinge_life(
     material : StrainLife
     length : float
         Plastic length l_p, m: the length over which the deformation of the hinge is spread, often
-        half the depth to the depth of the section. The life depends on it directly, so it is asked
-        for.
+        half the depth to the depth of the section. It has no default, since the life depends on it
+        directly.
     modulus : float
         Elastic section modulus W, m3; with ``depth=None`` the area A, m2.
     depth : float, optional
@@ -322,9 +322,10 @@ def _histories(where: str, moment: ArrayLike, plastic: ArrayLike) -> tuple[Array
 def _is_against(M: Array, p: Array) -> bool:
     """Return whether the plastic deformation has the wrong sign for the moment.
 
-    The work over a history is negative then. So it may be where the back force moves the hinge back
-    after the history has begun; but then the moment changes with the flow, ``dM dp > 0``, as in
-    every hinge that hardens (Drucker's postulate), whereas with a wrong sign it never does.
+    With a wrong sign the work over the history is negative. It can also be negative if the back
+    force moves the hinge back after the start of the history; but then the moment increases with
+    the flow, ``dM dp > 0``, as in every hinge that hardens (Drucker's postulate). With a wrong sign
+    it never does.
     """
     dp = np.diff(p)
     return float((M[1:] + M[:-1]) @ dp) < 0.0 and float(np.diff(M) @ dp) <= 0.0

@@ -101,7 +101,7 @@ def equivalents(cycles: Cycles, mean: MeanStress | None) -> Array:
 def proportional(mean: MeanStress | None) -> bool:
     """Return whether equivalent amplitudes are proportional to the load.
 
-    Those of Goodman and Gerber are not.
+    The amplitudes of Goodman and Gerber are not proportional.
     """
     return mean is None or mean.law[0] not in ("line", "gerber")
 
@@ -192,7 +192,8 @@ def stress_safety(
 ) -> float:
     """Return the safety in stress: the largest factor on all stresses with an allowable sum.
 
-    If Miner's sum jumps over the allowable one at an endurance limit, it is the factor just below.
+    If Miner's sum jumps over the allowable sum at an endurance limit, the result is the factor just
+    below the jump.
 
     Parameters
     ----------
@@ -401,7 +402,7 @@ def assess(
     Raises
     ------
     InputError
-        As `rainflow`; or if `survival` differs from that of a curve without scatter.
+        See `rainflow`; also if `survival` differs from that of a curve without scatter.
 
     Examples
     --------

@@ -237,8 +237,8 @@ class DamageField(Tabular):
 def special_normals(history: Array) -> Array:
     """Return unit normals (12, 3) of special planes, in addition to a grid.
 
-    They are the principal directions at the instants of the largest and of the smallest principal
-    stress, those of the difference of the two, and the coordinate axes.
+    These are the principal directions at the instants of the largest and the smallest principal
+    stress, the principal directions of the difference of both tensors, and the coordinate axes.
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ class Findley(Declared, by_value=True):
     def equivalent(self, value: ArrayLike) -> Array:
         """Return the uniaxial stress amplitude at R = -1 with the same parameter f, Pa.
 
-        It is ``2 f / (k + sqrt(1 + k^2))``, for an S-N curve of alternating tension.
+        The amplitude, for an S-N curve of alternating tension, is ``2 f / (k + sqrt(1 + k^2))``.
         """
         return np.asarray(2.0 * np.asarray(value) / (self.k + math.sqrt(1.0 + self.k**2)))
 
@@ -185,7 +185,7 @@ def _ratio(where: str, torsion: float, bending: float) -> float:
 def normals(step: float = COARSE) -> Array:
     """Return about evenly distributed unit normals (m, 3) on a half-sphere, `step` in rad.
 
-    They are sorted by `nearness`, the rule for the choice among planes of equal value.
+    The normals are sorted by `nearness`, which decides among planes of equal value.
     """
     rings = max(2, round(0.5 * math.pi / step))
     out = [np.array([[0.0, 0.0, 1.0]])]

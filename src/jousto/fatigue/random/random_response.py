@@ -90,7 +90,8 @@ class RandomResponse:
         criterion : str or (3,) array_like
             A component "s11".."s13" in the axes of the site; "von-mises", the equivalent stress of
             A. Preumont and V. Piefort (*J. Vib. Acoust.* 116 (1994) 245-248), a Gaussian process
-            with the mean square of von Mises' stress at every frequency; or the normal of a plane.
+            with the mean square of von Mises' stress at every frequency; or the normal of a plane,
+            for its normal stress.
         sites : sequence of str, optional
             None takes all.
         """
