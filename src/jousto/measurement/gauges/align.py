@@ -34,15 +34,16 @@ class Alignment:
     record : Record
         The record with its time shifted.
     shift : float
-        Time added to the record's instants, s.
+        Time that is added to the record's instants, s.
     correlation : float
         Correlation of both channels where they overlap, -1 to 1.
     scale : float
         Factor on the other channel that fits this one best; 1 if gauge factors and signs agree.
     rms : float
-        Root mean square of what is left without the factor, in the channel's unit.
+        Root mean square of the difference without the factor, in the channel's unit.
     uncertainty : float
-        Standard deviation of the shift, s: of events their scatter, else of the noise left over.
+        Standard deviation of the shift, s: from the scatter of the events, else from the remaining
+        noise.
     """
 
     record: Record

@@ -25,16 +25,16 @@ def counted(name: str, t: Array, label: str | None) -> tuple[Array, tuple[str, .
     Parameters
     ----------
     name : str
-        Head of the column.
+        Heading of the column.
     t : (nt,) array
         Instants as in the file.
     label : str or None
-        Unit in the file, if any: then numbers are used as they are.
+        Unit in the file, if any; with a unit numbers are used unchanged.
 
     Returns
     -------
     (nt,) array, tuple of str
-        The instants, and what is to be told: what was taken for what, and what to do instead.
+        The instants, and notes on how the time stamps were interpreted, with the alternative.
     """
     good = t[np.isfinite(t)]
     if not len(good):

@@ -35,11 +35,11 @@ class GaugePair:
     unit : str
         SI unit of both.
     measured, virtual : (nt,) array
-        Values; nan where either is not known.
+        Values; nan where one of both is unknown.
     correlation : float
-        Coefficient of both, -1 to 1.
+        Correlation coefficient of both, -1 to 1.
     scale : float
-        Factor on the virtual one that fits the measured one best.
+        Factor on the virtual gauge that fits the measured channel best.
     rms : float
         Root mean square of the difference.
     """
@@ -145,19 +145,19 @@ def compare_gauges(
         Results with gauges, rosettes or bridges among the sensors (any sensor will do).
     measured : Record
     pairs : mapping of str to str, optional
-        Channel to sensor (``"r.b"`` for a component); equal names if not given, whatever their
-        capital letters.
+        Sensor of each channel (``"r.b"`` for a component); by default the sensor of the same name,
+        upper or lower case.
     align : str or bool
-        Channel by which to align in time; True takes the first pair, False leaves the clocks.
+        Channel for the alignment in time; True: the first pair, False: no alignment.
     level, max_shift : float, optional
         Options of `align`.
     gauge_factor : float
-        Gauge factor for channels in V/V beside a strain: quarter bridges.
+        Gauge factor for channels in V/V whose sensor is a strain (quarter bridges).
 
     Raises
     ------
     InputError
-        If nothing fits together, or units differ; all problems at once.
+        With all problems: no pairs, or different units.
     """
     virtual = record_of(run)
     chosen = _pairs(measured, virtual, pairs)

@@ -23,7 +23,7 @@ def read_lvm(path: Path) -> Raw:
     Raises
     ------
     InputError
-        If it is no such file, is cut off, or a line holds something other than numbers.
+        If the file is of another kind or cut off, or a line contains something other than numbers.
     """
     where = str(path)
     lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()

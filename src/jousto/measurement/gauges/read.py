@@ -41,38 +41,38 @@ def read_record(
 ) -> Record:
     """Return the measured channels of a file in SI units.
 
-    Text files (.csv, .txt, .asc ...): any of the usual delimiters, decimal point or comma, heads
-    with units such as ``g1 [um/m]`` or a line of units; a time of day or date counts in seconds
-    from the first, and so do numbers that are milliseconds since 1970 or days of a spreadsheet.
-    LabVIEW (.lvm): names and units of its heads. Universal files (.uff, .unv): functions over time
-    of data set 58. HDF5: results of jousto (its sensors are the channels), or data sets of equal
-    length with an attribute ``unit``.
+    Text files (.csv, .txt, .asc ...): any of the usual delimiters, decimal point or comma, headings
+    with units such as ``g1 [um/m]`` or a line of units. Times of day, dates, milliseconds since
+    1970 and days of a spreadsheet become seconds from the first instant. LabVIEW (.lvm): names and
+    units of the headers. Universal files (.uff, .unv): functions over time of data set 58. HDF5:
+    results of jousto (its sensors are the channels), or data sets of equal length with an attribute
+    ``unit``.
 
     Parameters
     ----------
     path : path
     time : str, optional
-        Column of time; found by its head if not given, else the first one.
+        Column of time; by default the column with such a heading, else the first one.
     rate : float, optional
         Samples per second of a file without time.
     units : mapping of str to str, optional
-        Units of channels, and of the column of time, that the file does not name, or wrongly.
+        Units of channels, or of the time column, that are missing or wrong in the file.
     repair : bool
-        Sort instants that run backwards, drop those that come twice and count on over midnight,
-        instead of refusing them. A clock that restarts is refused all the same: such a file holds
-        several records.
+        Whether to sort instants that run backwards, remove repeated ones and continue over
+        midnight, instead of an error. A clock that restarts is still an error, since the file then
+        contains several records.
 
     Raises
     ------
     InputError
-        With everything that is wrong: no table, an empty file, time that runs backwards or stands
-        still, an unknown unit, strain that was likely given in percent or um/m, no such column.
+        With all problems: no table, an empty file, time that runs backwards or stands still, an
+        unknown unit, strain that is probably in percent or um/m, a missing column.
 
     Warns
     -----
     JoustoWarning
-        Gaps, missing values, channels that never change or that are cut off at an end of their
-        range; the same stands in ``record.notes``.
+        For gaps, missing values, and channels that never change or are clipped at an end of their
+        range; ``record.notes`` contains the same texts.
     """
     file = Path(path)
     where = str(file)
@@ -179,7 +179,7 @@ def saturated(x: Array, level: float) -> int:
     """Return the number of samples of a signal that are clipped at an end of its range.
 
     A clipped sequence has at least `FLAT` samples at the end of the range, and the signal enters or
-    leaves it with a step, unlike a signal that comes to rest.
+    leaves it with a step, in contrast to a signal that comes to rest.
     """
     if abs(level) < 0.5 * float(np.abs(x).max()):
         return 0

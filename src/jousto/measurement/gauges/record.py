@@ -45,18 +45,18 @@ class Record(Tabular):
     time : (nt,) array
         Instants, s, ascending.
     channels : mapping of str to (nt,) array
-        Values in SI units; what was not measured is nan.
+        Values in SI units; nan where nothing was measured.
     units : mapping of str to str
         SI unit of each channel: ``m/m``, ``V/V``, ``Pa`` ...; empty if the file names none.
     name : str
-        File or run that it comes from.
+        File or run of origin.
     notes : tuple of str
         Notes of the reader: gaps, dropouts, saturated channels.
 
     Raises
     ------
     InputError
-        Lengths that do not fit, or time that does not ascend; all problems at once.
+        With all problems: different lengths, or time that does not ascend.
     """
 
     time: Array
@@ -165,8 +165,8 @@ class Record(Tabular):
         Raises
         ------
         InputError
-            If a channel is not there, has another unit, or is so large that it was likely given in
-            um/m or percent; all problems at once.
+            With all problems: a missing channel, another unit, or values so large that they are
+            probably in um/m or percent.
         """
         chosen = list(self.channels) if names is None else list(names)
         problems = Problems()
@@ -242,20 +242,20 @@ class Record(Tabular):
         Parameters
         ----------
         rate : float, optional
-            Samples per second of even steps from the first instant on; the usual rate if neither
-            is given.
+            Samples per second, with equal steps from the first instant on; without rate and times
+            the usual rate of the record.
         times : (m,) array_like, optional
             Instants, s; outside the record the values are nan.
         gap : float
-            Steps longer than so many usual ones are gaps, in which values are nan.
+            Steps longer than this number of usual steps are gaps, in which values are nan.
         antialias : bool
-            Take out, before coarser steps, what they cannot show: a Butterworth filter of order 8,
-            forth and back, at 0.4 of the new rate.
+            Whether to remove frequencies that a lower rate cannot represent, by a Butterworth
+            filter of order 8, forward and backward, at 0.4 of the new rate.
 
         Raises
         ------
         InputError
-            Rate or times that are no use.
+            For invalid rates or times.
         """
         data = self.time, self.channels
         wanted, channels = resample(self.name, *data, rate, times, gap, antialias)
@@ -310,7 +310,7 @@ def record_of(run: Solution, names: Sequence[str] | None = None) -> Record:
     ----------
     run : Solution
     names : sequence of str, optional
-        Sensors; all if not given.
+        Names of sensors; by default all.
     """
     channels: dict[str, Array] = {}
     units: dict[str, str] = {}

@@ -24,8 +24,8 @@ LARGE_STRESS = 1.5e9
 class RosetteState:
     """Plane strain and stress of the surface under a rosette, x along grid a.
 
-    All arrays have the shape of one grid's values. ``sd`` is the standard deviation of each by
-    its name, if the noise of the grids was given.
+    All arrays have the shape of one grid's values. ``sd`` contains the standard deviation of each
+    quantity by name, if the noise of the grids was given.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class RosetteState:
         Principal stresses in the plane, Pa.
     angle : array
         Angle from grid a to the direction of e1 and s1, counterclockwise, rad, within +-pi/2.
-        Without meaning (nan) where e1 = e2.
+        Undefined (nan) where e1 = e2.
     shear : array
         Largest shear stress in the plane, (s1 - s2)/2, Pa.
     von_mises : array
@@ -101,30 +101,31 @@ def rosette_state(
 ) -> RosetteState:
     """Return strains, stresses and principal values from the grids of a rosette.
 
-    ``e(t) = exx cos^2 t + eyy sin^2 t + gxy sin t cos t`` is solved for the strains; of a
-    rectangular rosette ``exx = ea, eyy = ec, gxy = 2 eb - ea - ec``. Principal strains
-    ``(exx + eyy)/2 +- sqrt((exx - eyy)^2 + gxy^2)/2`` at ``tan 2a = gxy/(exx - eyy)``; stress of a
-    free surface ``sxx = E (exx + nu eyy)/(1 - nu^2)`` and so on.
+    ``e(t) = exx cos^2 t + eyy sin^2 t + gxy sin t cos t`` is solved for the strains; for a
+    rectangular rosette ``exx = ea, eyy = ec, gxy = 2 eb - ea - ec``. Principal strains ``(exx +
+    eyy)/2 +- sqrt((exx - eyy)^2 + gxy^2)/2`` at ``tan 2a = gxy/(exx - eyy)``; stress of a free
+    surface ``sxx = E (exx + nu eyy)/(1 - nu^2)`` and so on.
 
     Parameters
     ----------
     e : (..., 3) array_like
-        Strains of grids a, b, c, m/m; two of a tee, whose grids lie along the principal directions.
+        Strains of grids a, b, c, m/m; two strains for a tee, whose grids lie along the principal
+        directions.
     E, nu : float
         Young's modulus, Pa, and Poisson's ratio.
     kind : {"45", "60", "90"}
         Kind of the rosette, as in `Rosette`.
     transverse : float
-        Transverse sensitivity K of the grids, whose effect is taken out: they show
-        ``(e + K e_across)/(1 - 0.285 K)``.
+        Transverse sensitivity K of the grids, which is corrected: they measure ``(e + K
+        e_across)/(1 - 0.285 K)``.
     noise : float or (3,) array_like, optional
-        Standard deviation of each grid, m/m, independent: gives those of all results to the first
-        order.
+        Standard deviation of each grid, m/m, of independent errors; the standard deviations of all
+        results follow to first order.
 
     Raises
     ------
     InputError
-        With everything that is wrong; strains above 0.5 m/m, likely um/m, are reported.
+        With all problems, also for strains above 0.5 m/m, which are probably in um/m.
 
     Warns
     -----

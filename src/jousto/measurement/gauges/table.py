@@ -36,7 +36,7 @@ class Table:
     Attributes
     ----------
     names : tuple of str
-        Heads of the columns without units.
+        Headings of the columns without units.
     labels : tuple of str or None
         Units as in the file.
     values : (nt, nc) array
@@ -65,7 +65,7 @@ def read_table(path: Path) -> Table:
     Raises
     ------
     InputError
-        An empty file, or one without a table of numbers.
+        If the file is empty or contains no table of numbers.
     """
     check_text(path)
     text = _decoded(path)
@@ -244,7 +244,7 @@ def _check_heads(
 def _are_units(row: list[str], above: list[str]) -> bool:
     """Return whether a line contains units: in all fields, or in half and more than above.
 
-    So an unknown unit is reported as such and does not turn the others into names.
+    An unknown unit is then reported, and the other units are not read as names.
     """
 
     def known(fields: list[str]) -> list[bool]:

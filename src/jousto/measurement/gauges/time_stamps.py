@@ -85,8 +85,8 @@ def ordered(
 def restarts(t: Array) -> list[int]:
     """Return the samples at which the clock restarts; late samples do not count.
 
-    At a restart time jumps back by more than `BACK` usual steps and then repeats earlier instants,
-    or ends before them. Packets in the wrong order fill gaps instead.
+    At a restart, time jumps back by more than `BACK` usual steps and then repeats earlier instants,
+    or ends before them. Packets in the wrong order, in contrast, fill gaps.
     """
     steps = np.diff(t)
     if not np.any(steps > 0.0):

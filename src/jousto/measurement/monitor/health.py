@@ -141,7 +141,7 @@ class Health:
         values : (k, nc) array
             Strains, m/m; nan where there is none.
         cells : (k, nc) uint8 array, optional
-            Content of the cells (`stream`); from the values if not given.
+            Content of the cells (`stream`); by default derived from the values.
         """
         states = self._engine(self._memory, self.state, values, cells)
         if not len(states):

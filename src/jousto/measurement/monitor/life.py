@@ -25,7 +25,7 @@ class Life:
     Attributes
     ----------
     watched : float
-        Time that was watched, s: without pauses and without samples that determine nothing.
+        Evaluated time, s, without pauses and without samples that determine no stress.
     damage, damage_low, damage_high : (ns,) array
         Miner's sum with the ends of its band.
     remaining, remaining_low, remaining_high : (ns,) array
@@ -47,8 +47,8 @@ class LifeMeter:
 
     For the band of damage every peak is moved outward, or inward, by the half width of the stress
     band, and the S-N curve is that of the survival probabilities at the ends of the band if its
-    scatter is known. Errors that differ from peak to peak average out, so that the band is
-    conservative.
+    scatter is known. In reality errors that differ from peak to peak average out, so that the band
+    is conservative.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ class Summary:
     time : float
         Last instant of the interval, s.
     samples, blind : int
-        Instants of the interval, and those at which too few channels were left.
+        Number of instants in the interval, and of those with too few valid channels.
     peak : (ns,) array
         Largest magnitude of the stress at each hot spot in the interval, Pa; nan if blind.
     life : Life or None
@@ -61,7 +61,7 @@ class Update:
     states : (k, nc) uint8 array
         States of the channels, numbers of `STATES`.
     stress, low, high : (k, ns) array
-        Stress at the hot spots with its band, Pa; nan where too few channels were left.
+        Stress at the hot spots with its band, Pa; nan with too few valid channels.
     changes : tuple of Change
         Channels that changed their state.
     alarms : tuple of Alarm
@@ -114,13 +114,13 @@ class Monitor:
     every : float
         Time between summaries, s.
     scale : float
-        Errors in proportion that all stress shares, of modulus and common gauge factor, as of
-        `stress_band`; errors of each gauge belong to the twin (``errors=gauge_errors(..)``).
+        Relative error common to all stresses, of modulus and gauge factor, as in `stress_band`;
+        errors of single gauges belong to the twin (``errors=gauge_errors(..)``).
 
     Raises
     ------
     InputError
-        With everything that does not fit together.
+        With all inconsistent arguments.
     """
 
     def __init__(
@@ -206,12 +206,12 @@ class Monitor:
         strain : (k, nc) array_like
             m/m, in the order of `channels`; nan where there is no value.
         cells : (k, nc) uint8 array, optional
-            Why there is no value (`stream`).
+            Reason of each missing value (`stream`).
 
         Raises
         ------
         InputError
-            Shapes that do not fit, time that does not increase.
+            For wrong shapes, or time that does not increase.
         """
         t = np.asarray(time, dtype=np.float64)
         if t.ndim != 1:

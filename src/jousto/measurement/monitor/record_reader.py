@@ -84,7 +84,7 @@ class MonitorRecord:
     Raises
     ------
     InputError
-        If it is no such file.
+        If the file is not a record.
     """
 
     def __init__(self, path: str | Path) -> None:

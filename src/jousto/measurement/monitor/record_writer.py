@@ -148,7 +148,7 @@ class Record:
         Raises
         ------
         InputError
-            If there is no such record, or it is of other channels or hot spots.
+            If the record does not exist, or has other channels or hot spots.
         """
         with open_record(path) as file:
             problem = _differs(file, layout)
@@ -295,7 +295,7 @@ def open_record(path: Path) -> Iterator[Group]:
     Raises
     ------
     InputError
-        If there is no such file, or it is something else.
+        If the file does not exist or is not a record.
     """
     if not path.is_file():
         raise InputError(Problem(str(path), "no such record of a monitoring run"))

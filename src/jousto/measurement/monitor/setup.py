@@ -49,7 +49,7 @@ class MonitorSettings(GaugeErrors):
     Raises
     ------
     InputError
-        With everything that does not fit together.
+        With all inconsistent settings.
     """
 
     kind = "monitor"

@@ -116,13 +116,13 @@ class Place:
     Attributes
     ----------
     offset : int
-        Bytes before the first line that is not used yet.
+        Number of bytes before the first unused line.
     line : int
-        Lines before it.
+        Number of lines before it.
     time, step, shift : float
-        Last time, the step before it, and what is added to times since the clock was set back, s.
+        Last time, the step before it, and the shift added to times after the clock was set back, s.
     garbage, backwards, clock, gaps : int
-        Lines without sense, lines whose time goes backwards, times the clock was set back, pauses.
+        Numbers of invalid lines, lines whose time goes backwards, clock resets, and pauses.
     """
 
     offset: int = 0
@@ -173,9 +173,9 @@ class Stream:
     name : str
         Name in messages.
     place : Place, optional
-        Position where reading continues; the source must stand at ``place.offset``.
+        Position where reading continues; the source must be positioned at ``place.offset``.
     header : Header, optional
-        Header of the beginning, when reading continues; read from the source if not given.
+        Header from the beginning, if reading continues; by default it is read from the source.
 
     Raises
     ------

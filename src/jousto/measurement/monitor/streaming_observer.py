@@ -23,7 +23,7 @@ class Dynamic:
     Raises
     ------
     InputError
-        If it has accelerometers, which a stream of strains does not hold.
+        If the observer has accelerometers, which a stream of strains does not contain.
     """
 
     def __init__(self, twin: Observer) -> None:

@@ -106,7 +106,7 @@ def estimator_of(twin: Any) -> Estimator:
     Raises
     ------
     InputError
-        If it is neither a Reconstruction nor an Observer.
+        If `twin` is neither a Reconstruction nor an Observer.
     """
     if isinstance(twin, Reconstruction):
         return Static(twin)

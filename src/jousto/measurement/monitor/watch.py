@@ -51,7 +51,7 @@ class Progress:
     update : Update
         Results of the block.
     place : Place
-        Lines so far and what was odd.
+        Position in the stream, with the numbers of lines and oddities.
     events : tuple of (time, kind, text)
         Events recorded with the block.
     """
@@ -83,22 +83,23 @@ def watch(
     Parameters
     ----------
     monitor : Monitor
-        Fresh from its constructor.
+        New monitor, not used before.
     source : path, "-" or binary file
         Lines of time and channels, the first of which names them: ``time [s],g1 [um/m],..``; "-"
         is the standard input.
     path : path
         Record, an HDF5 file.
     columns : mapping of str to str, optional
-        Column of the source for each channel of the monitor; the same name if it is not there.
+        Column of the source for each channel of the monitor; by default the column of the same
+        name.
     unit : str, optional
-        Unit of columns that name none: "m/m", "um/m", "mm/m" or "%".
+        Unit of columns without a unit: "m/m", "um/m", "mm/m" or "%".
     resume : bool
         Continue the record at `path`; if there is none, a new one begins, with a warning.
     show : callable, optional
         Called with a `Progress` after every block.
     text : str
-        Kept with the record, such as the model file.
+        Text stored in the record, such as the model file.
 
     Raises
     ------
@@ -106,9 +107,9 @@ def watch(
         If the source is empty, has no header or lacks channels, a unit is not known, or the record
         cannot be written.
     SimulationError
-        If the disk is full; what was recorded is kept.
+        If the disk is full; the record up to then remains.
     OSError
-        If the source fails; the record is closed before.
+        If the source fails, after closing the record.
     """
     path = Path(path)
     with _opened(source) as (file, name):

@@ -53,12 +53,12 @@ class Plan:
     Attributes
     ----------
     name : str
-        Identifier of C that its names begin with.
+        C identifier with which all names begin.
     monitor : Monitor
     source : str
-        The file of data, with one ``const jo_plan NAME_plan``.
+        Text of the C file with the data, one ``const jo_plan NAME_plan``.
     bytes : int
-        Memory of one twin, at most.
+        Upper bound of the memory of one twin, bytes.
     inputs, outputs : tuple of Channel
         Gauges, then the motion of a frame that moves; for each hot spot stress, ends of its band
         and damage with its band, then the watched time and the unknown loads.
@@ -106,7 +106,7 @@ def plan_of(monitor: Monitor, name: str) -> Plan:
         Monitor whose twin, hot spots, band, S-N curve and channel rules are included, not its
         alarms.
     name : str
-        Identifier of C that the names begin with.
+        C identifier with which all names begin.
     """
     values, arrays, sizes = _parts(monitor)
     inputs, outputs = _channels(_inputs(monitor)), _channels(_outputs(monitor))

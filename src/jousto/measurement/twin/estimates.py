@@ -28,7 +28,7 @@ class Posterior:
     p : (nt, n) array
         Modal coordinates, kg^0.5 m; nan where they are unknown.
     covariances : (m, n, n) array
-        The different covariances of p that occurred.
+        The distinct covariances of p.
     which : (nt,) int array
         Index of the covariance at each instant.
     """
@@ -49,7 +49,7 @@ class Posterior:
         Returns
         -------
         (nt, n, k) array or None
-            One column for each independent error of standard deviation 1; None if there is none.
+            One column for each independent error of standard deviation 1; None without such errors.
         """
         return None
 
@@ -103,7 +103,7 @@ class Step:
     time : float
         s.
     x : (nx,) array
-        State: dynamic modes, their velocities, unknown loads less their mean.
+        State: dynamic modes, their velocities, and unknown loads minus their mean.
     gain : Gain
         Gain and covariances of the step.
     system : System
@@ -111,7 +111,7 @@ class Step:
     force : (n,) array
         Known modal forces, kg^0.5 m/s2.
     innovation : (ny,) array
-        Channels less their prediction; nan where nothing was seen.
+        Channels minus their prediction; nan for channels that were not used.
     score : (ny,) array
         Innovations, decorrelated and divided by their standard deviations.
     seen : (ny,) bool array
@@ -183,7 +183,7 @@ class Estimates(Posterior):
     Attributes
     ----------
     observer : Observer
-        Observer that made the estimate.
+        Observer that computed the estimate.
     states : (nt, nx) array
         States.
     P : (m, nx, nx) array
@@ -191,7 +191,8 @@ class Estimates(Posterior):
     forces : (nt, n) array
         Known modal forces, kg^0.5 m/s2.
     innovations, scores : (nt, ny) arrays
-        Channels less their prediction, and the same made independent with standard deviation 1.
+        Channels minus their prediction, and the same transformed to independent values of standard
+        deviation 1.
     gains : tuple of Gain
         Gain of every step (the same object where it repeats).
     smoothed : bool

@@ -35,17 +35,17 @@ class Gain:
     Attributes
     ----------
     key : tuple
-        Length of the step and channels that were seen.
+        Length of the step, and the used channels.
     mask : (ny,) bool array
-        Channels that were seen.
+        Mask of the used channels.
     F, Gu : (nx, nx), (nx, nd) arrays
         Transition of the state and effect of known forces.
     K : (nx, k) array
         Gain of the innovations.
     whiten : (k, k) array
-        Makes innovations independent with variance 1; lower triangular.
+        Matrix that transforms innovations to independent ones of variance 1; lower triangular.
     predicted, P : (nx, nx) arrays
-        Covariance before and after the channels were seen.
+        Covariance before and after the channels were used.
     steady : bool
         Whether the gain repeats for equal step and channels.
     """
@@ -146,12 +146,12 @@ def drifted(before: Array, gain: Gain, channels: Channels, errors: Array, p: Arr
     """Return the effect of each gauge error on the state after one sample.
 
     The filter is linear: ``D = F D_before``, then ``D + K (V - H D)`` with the channel errors ``V_g
-    = E_g p``; the gain takes no account of them.
+    = E_g p``; the gain does not consider these errors.
 
     Parameters
     ----------
     before : (nx, k ng) array
-        Effect at the sample before; zero at the first.
+        Effect at the sample before; zero for the first one.
     gain : Gain
         Gain of this sample.
     channels : Channels

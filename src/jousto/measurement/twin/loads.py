@@ -92,24 +92,25 @@ def identify_fourier(
     Parameters
     ----------
     twin : Reconstruction
-        Gives ``B^+``, weighted and regularised.
+        Reconstruction that provides ``B^+``, weighted and regularised.
     time : (nt,) array_like
         Instants, s, evenly spaced; the window ends one step after the last.
     e : (nt, ng) array_like
         Strains, m/m, without gaps.
     part : ReducedPart or (n,) or (n, n) array_like
-        Modal stiffness: that of the part or ``omega^2``, 1/s2. For a body that is held, of `clamp`.
+        Modal stiffness: that of the part or ``omega^2``, 1/s2. For a clamped body the result of
+        `clamp`.
     damping : float, sequence of float or Rayleigh
         Damping as in `FlexibleBody`.
     harmonics : int, optional
-        Number of harmonics, all up to half the sampling rate if not given.
+        Number of harmonics; by default all up to half the sampling rate.
     limit : float, optional
         Highest frequency, Hz.
 
     Raises
     ------
     InputError
-        Uneven times, gaps, sizes that do not fit.
+        For uneven times, gaps, or wrong sizes.
     """
     problems = Problems()
     where = "identify_fourier"
@@ -151,7 +152,7 @@ def identify_loads(observer: Observer, time: Any, e: ArrayLike | None = None) ->
     """Return unknown loads over time with their bands, from a whole record.
 
     Uses the smoothed record of the observer: the loads need not be periodic, gauges may drop out,
-    the body may move. ``.loads`` and ``.load_band`` (standard deviation) are the result.
+    the body may move. The result contains ``.loads`` and ``.load_band`` (standard deviation).
 
     Parameters
     ----------
@@ -192,7 +193,7 @@ def external(
 def equivalent_load(M: Any, shapes: ArrayLike, f: ArrayLike) -> Array:
     """Return nodal loads ``F = M Phi f`` (nt, ndof) with the modal loads f.
 
-    Only the part of the true load that the modes represent: ``Phi^T F = f``.
+    F is only the part of the true load that the modes represent: ``Phi^T F = f``.
 
     Parameters
     ----------
@@ -243,7 +244,7 @@ def place_loads(
     f : (nt, n) array_like
         Modal loads.
     loads : (n, na) array_like or sequence of UnknownLoad
-        Modal loads ``Phi^T L`` of unit loads, or where they act.
+        Modal loads ``Phi^T L`` of unit loads, or loads with their places.
     reduced : ReducedPart, optional
         The part, for loads by their place.
 
@@ -252,12 +253,12 @@ def place_loads(
     a : (nt, na) array
         N and N m.
     rest : float
-        Share of f (root mean square) that such loads cannot make.
+        Share of f (root mean square) that such loads cannot cause.
 
     Raises
     ------
     InputError
-        More loads than modes, or loads that the modes cannot distinguish.
+        For more loads than modes, or loads that the modes cannot distinguish.
     """
     L = modal_loads("place_loads", loads, reduced)
     modal = np.atleast_2d(np.asarray(f, dtype=np.float64))
@@ -324,12 +325,12 @@ def identify_payload(
     place : str
         The node.
     draws, seed : int
-        Number of histories, and of the random numbers.
+        Number of histories, and seed of the random numbers.
 
     Raises
     ------
     InputError
-        No such load, or no reference.
+        If there is no such load or no reference.
     """
     observer = observed.observer
     labels = observer.system.labels

@@ -48,12 +48,12 @@ class WeighedModes:
         Weight; 1/a is the mean square of ``w_j p_j`` (twice the strain energy of a mode, J), or of
         the modal load ``w_j^2 p_j``.
     effective : float
-        Number of combinations of modes that the strains decide, ``tr(S (S^T R^-1 S + a W)^-1 S^T
+        Number of combinations of modes that the strains determine, ``tr(S (S^T R^-1 S + a W)^-1 S^T
         R^-1)``.
     seen : (n,) array
-        Share of each mode that the strains decide; the rest is the prior, which is zero.
+        Share of each mode that the strains determine; the rest comes from the prior, which is zero.
     evidence : float
-        Logarithm of the probability of the strains with this weight, over that without any motion.
+        Logarithm of the probability of the strains with this weight, relative to no motion.
     """
 
     reconstruction: Reconstruction
@@ -70,20 +70,21 @@ class WeighedModes:
         """Return static loads at known places from strains, with their standard deviation.
 
         ``F = (H^T C^-1 H)^-1 H^T C^-1 e`` with ``H = S K^-1 L`` and ``C = R + S (b W)^-1 S^T``:
-        least squares of the strains beside noise and other motions. The weight b of the other
-        motions, and W (K or ``K^2``), have the largest evidence of what the loads leave of the
-        strains, the projection onto the complement of ``R^-1/2 H`` (restricted maximum likelihood:
-        Patterson, Thompson, *Biometrika* 58 (1971) 545-554). Where the loads explain all, b is
-        infinite and C is R. The band does not contain motions that strain the gauges as the loads
-        do and leave less than the noise; as many gauges as loads leave nothing. Unlike loads from
-        the modal coordinates (`jousto.twin.place_loads`) they are not reduced by the prior.
+        least squares with noise and other motions in the strains. The weight b of the other
+        motions, and W (K or ``K^2``), have the largest evidence for the strains not explained by
+        the loads, the projection onto the complement of ``R^-1/2 H`` (restricted maximum
+        likelihood: Patterson, Thompson, *Biometrika* 58 (1971) 545-554). Where the loads explain
+        all, b is infinite and C is R. The band neglects motions that strain the gauges like the
+        loads, so that less than the noise remains; with as many loads as gauges nothing remains. In
+        contrast to loads from modal coordinates (`jousto.twin.place_loads`), these loads are not
+        reduced by the prior.
 
         Parameters
         ----------
         e : (nt, ng) array_like
             Strains, m/m, without gaps.
         loads : (n, na) array_like or sequence of UnknownLoad
-            Modal loads ``L = Phi^T`` of unit loads, or where they act.
+            Modal loads ``L = Phi^T`` of unit loads, or loads with their places.
         reduced : ReducedPart, optional
             The part, for loads by their place.
 
@@ -97,8 +98,8 @@ class WeighedModes:
         Raises
         ------
         InputError
-            Sizes that do not fit, gaps, loads that strain no gauge, or loads that the gauges
-            cannot distinguish.
+            For wrong sizes, gaps, loads that strain no gauge, or loads that the gauges cannot
+            distinguish.
         """
         where, problems = "WeighedModes.place_loads", Problems()
         twin = self.reconstruction
@@ -153,11 +154,11 @@ def weigh_modes(
     """Return a reconstruction whose modes are weighed by their stiffness.
 
     The modal coordinates minimise ``(S p - e)^T R^-1 (S p - e) + a p^T W p`` with the rows S = B of
-    the gauges: a stiff mode needs more evidence, so that none has to be left out by hand. W is the
-    stiffness K of the modes (the strain energy) or ``K^2`` (the size of the modal loads ``K p``).
-    The first leaves the strain between few gauges at zero, the second is smooth there. The weight a
-    is that of the largest evidence (MacKay, *Neural Computation* 4 (1992) 415-447): with ``R^-1/2 S
-    W^-1/2 = U s V^T`` and ``d = U^T R^-1/2 e`` of nt instants
+    the gauges: a stiff mode needs more evidence, so that no mode has to be excluded by hand. W is
+    the stiffness K of the modes (the strain energy) or ``K^2`` (the size of the modal loads ``K
+    p``). With K the strain between few gauges tends to zero, with ``K^2`` it is smooth there. The
+    weight a has the largest evidence (MacKay, *Neural Computation* 4 (1992) 415-447): with ``R^-1/2
+    S W^-1/2 = U s V^T`` and ``d = U^T R^-1/2 e`` of nt instants
 
         ``-2 log ev(a) = sum_i [nt log(1 + s_i^2/a) + |d_i|^2 / (1 + s_i^2/a)]``
 
@@ -168,25 +169,26 @@ def weigh_modes(
     e : (nt, ng) array_like
         Strains of a typical record, m/m; instants with gaps (nan) are left out.
     part : ReducedPart or (n,) or (n, n) array_like
-        Stiffness K of the modes: that of the part, or ``omega^2``, 1/s2. For a body that is held,
-        of `clamp`.
+        Stiffness K of the modes: that of the part, or ``omega^2``, 1/s2. For a clamped body the
+        result of `clamp`.
     noise : float, (ng,) or (ng, ng) array_like
         Standard deviation of each gauge, m/m, or their covariance matrix R.
     names : sequence of str, optional
         Names of the gauges.
     by : str, optional
-        ``"energy"`` or ``"loads"``; None for the one of the larger evidence.
+        ``"energy"`` or ``"loads"``; None: the choice with the larger evidence.
 
     Returns
     -------
     WeighedModes
-        Its `reconstruction` estimates modes, its `place_loads` loads at known places.
+        Result; its `reconstruction` estimates modes, its `place_loads` estimates loads at known
+        places.
 
     Raises
     ------
     InputError
-        Sizes that do not fit, no instant without gaps, a stiffness that is not positive, or strains
-        that are not larger than the noise, so that no weight is determined.
+        For wrong sizes, no instant without gaps, a stiffness that is not positive, or strains not
+        larger than the noise, which determine no weight.
 
     Examples
     --------
@@ -282,8 +284,8 @@ def _check_loads(
 def _rest(S: Array, H: Array, E: Array, K: Array) -> Array:
     """Return the covariance (ng, ng) of strains from motions not caused by the loads.
 
-    All in units of the noise: strains of modes S (ng, n), of unit loads H (ng, na), measured E
-    (ng, nt). The kind and the weight have the largest restricted likelihood.
+    All arguments are in units of the noise: strains of modes S (ng, n), of unit loads H (ng, na),
+    and measured E (ng, nt). Kind and weight of the prior have the largest restricted likelihood.
     """
     left = la.qr(H)[0][:, H.shape[1] :]  # complement of the strains of the loads
     best, covariance = 0.0, np.zeros((len(S), len(S)))

@@ -47,7 +47,8 @@ class Band(Tabular):
     low, high : (nt, ns) array
         Ends of the band, Pa.
     level : float
-        Share of the time in which the truth is within, if noise and prior are right.
+        Confidence: share of the time in which the true value lies in the band, if noise and prior
+        are correct.
     criterion : str
         Stress criterion of the value.
     """
@@ -124,15 +125,15 @@ def stress_band(
     level : float
         Share of the band.
     scale : float
-        Standard deviation of the error in proportion that all stress shares: of Young's modulus
-        and the common gauge factor, ``sqrt(s_E^2 + s_k^2)``, such as 0.03. Strain alone cannot show
-        either. Errors of single gauges belong to `Reconstruction` (``errors=gauge_errors(..)``).
+        Relative standard deviation of the error common to all stresses, from Young's modulus and
+        the common gauge factor: ``sqrt(s_E^2 + s_k^2)``, such as 0.03. Strains cannot reveal these
+        errors. Errors of single gauges belong to `Reconstruction` (``errors=gauge_errors(..)``).
 
     Raises
     ------
     InputError
-        No such criterion or site, modes of another part, a level outside (0, 1), or a scale outside
-        [0, 1).
+        For unknown criteria or sites, modes of another part, a level outside (0, 1), or a scale
+        outside [0, 1).
     """
     labels, S, missed = _select_sites(estimate, modes, sites)
     _check(criterion, level, scale)

@@ -114,11 +114,11 @@ def damage_band(
     """Return fatigue damage of sites with its band, from sampled histories of the record.
 
     Stress histories are drawn from their distribution (`sample_posterior`) and counted by rainflow;
-    the band has quantiles of their damage. The model error is a slow error, drawn once for each
-    site, and so is a proportional error, whose effect on damage is k times that on stress. Gauge
-    errors (``Observer(errors=)``) are drawn once for each history. A drawn history is rougher than
-    the truth by the noise of the estimate, so that its damage is conservative; the smoothed history
-    alone underestimates damage: the band starts no higher than its value.
+    the band consists of quantiles of their damage. The model error changes slowly and is drawn once
+    for each site, as is a proportional error, whose effect on damage is k times that on stress.
+    Gauge errors (``Observer(errors=)``) are drawn once for each history. A drawn history is rougher
+    than the truth by the noise of the estimate, so that its damage is conservative; the smoothed
+    history alone underestimates damage: the band starts no higher than its value.
 
     Parameters
     ----------
@@ -135,15 +135,15 @@ def damage_band(
     mean : mean stress correction, optional
         Mean-stress correction as in `DamageMeter`.
     scale : float
-        Standard deviation of errors in proportion to stress: gauge factors are known to half a per
-        cent, Young's modulus of steel to one or two.
+        Relative standard deviation of errors proportional to stress: about 0.5 % for gauge factors,
+        1 to 2 % for Young's modulus of steel.
     draws, seed : int
-        Number of histories, and of the random numbers.
+        Number of histories, and seed of the random numbers.
 
     Raises
     ------
     InputError
-        As `stress_band`; fewer than 20 draws.
+        As for `stress_band`, and for fewer than 20 draws.
     """
     if not isinstance(observed, Estimates):
         raise InputError(

@@ -28,9 +28,9 @@ def inertia_wrench(
 ) -> tuple[Array, Array, Array]:
     """Return force and moment about the mass centre that a motion requires, and the centre.
 
-    With ``u = u0 + Phi p``, ``F = int u'' dm`` and ``M = int u x u'' dm``, where
-    ``u'' = a + w' x u + w x (w x u) + 2 w x Phi p' + Phi p''`` and a is the acceleration of the
-    frame less gravity; M is then taken about the mass centre.
+    With ``u = u0 + Phi p``, ``F = int u'' dm`` and ``M = int u x u'' dm``, where ``u'' = a + w' x u
+    + w x (w x u) + 2 w x Phi p' + Phi p''`` and a is the acceleration of the frame minus gravity; M
+    is then taken about the mass centre.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def check_balance(
     reference : Reference
         Motion of its frame.
     loads : sequence of Load
-        All that acts on it but its weight.
+        All loads on the part except its weight.
     A : (nt, 3, 3) array
         Rotation of the frame.
     motion : tuple of three (nt, n) array
@@ -96,7 +96,7 @@ def check_balance(
     Warns
     -----
     JoustoWarning
-        If more than a hundredth is.
+        If more than a hundredth is missing.
     """
     force, moment, centre = inertia_wrench(reduced.invariants, reference, *motion)
     size, turning = np.linalg.norm(force, axis=1), np.linalg.norm(moment, axis=1)

@@ -39,10 +39,10 @@ def drive_part(
     ``M_pp p'' + D p' + K p = Q_e,p + Q_v,p - C_p^T lam - M_pr r''`` with the reference motion r of
     the run (Altarriba 2010, eq. 42): the frame moves as in the run, and the reactions of the joints
     act at their nodes, ``Phi^T A^T F + Psi^T A^T T``. In the run the body may be rigid or have
-    fewer modes, so that the stress of a detailed part needs no new run. The effect of the
-    deformation on the motion is that of the run. Newmark's method (average acceleration) over the
-    stored instants, with accelerations of the frame from differences: errors decrease with the
-    square of the output step, which must resolve the relevant vibrations.
+    fewer modes, so that the stress of a detailed part needs no new run. The feedback of the
+    deformation on the motion is not recomputed: it is that of the run. Newmark's method (average
+    acceleration) over the stored instants, with accelerations of the frame from differences: errors
+    decrease with the square of the output step, which must resolve the relevant vibrations.
 
     Parameters
     ----------
@@ -54,10 +54,11 @@ def drive_part(
     reduced : ReducedPart
         The part.
     loads : BodyLoads or mapping of str to (nt, 3) or (nt, 6) array_like
-        `loads_of(run, body)`, all that the run contains, each load at the node of the part where it
-        acts. Or a name of a node to force, or force and moment about it, on the part, world axes, N
-        and N m: *all* that acts on the part but its weight. A `ReactionSensor` measures what acts
-        on the body of its marker b; on that of marker a it is the opposite.
+        `loads_of(run, body)`, all loads in the run, each at the node of the part where it acts. Or
+        a mapping from node names to the force, or force and moment about the node, on the part,
+        world axes, N and N m: *all* loads on the part except its weight. A `ReactionSensor`
+        measures the load on the body of its marker b; the load on the body of marker a is the
+        opposite.
     damping : float, sequence of float or Rayleigh
         Damping of the modes.
     start : tuple of two (n,) array_like, optional
@@ -66,8 +67,8 @@ def drive_part(
     Raises
     ------
     InputError
-        Unknown body or nodes, loads of another shape, loads of which more than a tenth is missing
-        in the balance with the motion (a motor's moment, say), or a frame that turns so fast that
+        For unknown bodies or nodes, loads of another shape, loads that balance less than nine
+        tenths of the motion (such as without a motor's moment), or a frame that turns so fast that
         the steps do not converge.
 
     Warns

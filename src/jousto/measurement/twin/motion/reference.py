@@ -42,15 +42,15 @@ class Reference:
     time : (nt,) array_like
         Instants, s, increasing; between them the motion is interpolated linearly.
     acceleration : (nt, 3) array_like
-        Acceleration of the frame's origin *less gravity*, m/s2: what an accelerometer there feels;
-        (0, 0, 9.81) if z points up and nothing moves.
+        Acceleration of the frame's origin *minus gravity*, m/s2, as measured by an accelerometer;
+        (0, 0, 9.81) at rest if z points up.
     w, dw : (nt, 3) array_like
         Angular velocity, rad/s, and angular acceleration, rad/s2.
 
     Raises
     ------
     InputError
-        Shapes that do not fit, values that are not finite, times that run backwards.
+        For wrong shapes, values that are not finite, or times that run backwards.
     """
 
     time: Array
@@ -109,16 +109,16 @@ class Reference:
         body : str
             Name of a rigid or flexible body.
         node : str
-            Name of a node that turns, for a part from `clamp`; the frame of the body if empty.
+            Name of a node with rotations, for a part from `clamp`; the frame of the body if empty.
         reduced : ReducedPart
             The part of the body, needed with `node`.
         gravity : (3,) array_like, optional
-            Gravity in the world, m/s2; that of the run if not given.
+            Gravity in the world, m/s2; by default that of the run.
 
         Raises
         ------
         InputError
-            No such body or node, or fewer than three instants.
+            For unknown bodies or nodes, or fewer than three instants.
         """
         shape = find_body(run, body)
         t = run.time
@@ -158,26 +158,25 @@ class Reference:
         Parameters
         ----------
         mechanism : Mechanism
-            Every motion has a `Drive`; what is not known, such as the payload, is left out.
+            Mechanism with a `Drive` for every motion, without unknown items such as the payload.
         body : str
             Name of the body.
         time : (nt,) array_like
             Instants of the measured values, s.
         measured : mapping of str to (nt,) array_like
-            Name of a drive to the values of its coordinate, rad or m; drives not named keep
-            their signal.
+            Values of the coordinate of each drive by name, rad or m; other drives keep their
+            signal.
         noise : float or mapping of str to float
             Standard deviation of the measured values, rad or m: they are smoothed by a spline that
-            stays within it, since accelerations multiply what is not smooth. 0 takes the values
-            as they are.
+            stays within it, since differentiation amplifies noise. 0: no smoothing.
         node : str
             Node as in `from_run`.
 
         Raises
         ------
         InputError
-            Names that are no drives, values that do not fit the times, or a mechanism that keeps
-            free motions.
+            For names that are not drives, values of another length than the times, or a mechanism
+            with free motions.
         """
         problems = Problems()
         where = "Reference.from_angles"
