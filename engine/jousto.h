@@ -116,9 +116,12 @@ typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTA
                JO_SENSOR_BRIDGE = 21, JO_SENSOR_SECTION = 22,
                JO_SENSOR_ACCELERATION_PARTS = 23,
                JO_SENSOR_DEFORMATION_MOMENTUM = 24,
-               JO_SENSOR_FORCE_STATE = 25 } jo_sensor_type;
+               JO_SENSOR_FORCE_STATE = 25,
+               JO_SENSOR_BODY_LOAD = 26, JO_SENSOR_MODAL_LOAD = 27 } jo_sensor_type;
 typedef enum { JO_ENERGY_KINETIC = 0, JO_ENERGY_STRAIN = 1, JO_ENERGY_POTENTIAL = 2, JO_ENERGY_SPRINGS = 3,
                JO_ENERGY_DISSIPATED = 4, JO_ENERGY_FRICTION = 5, JO_ENERGY_WORK = 6 } jo_energy_kind;
+typedef enum { JO_LOAD_JOINT = 0, JO_LOAD_APPLIED = 1, JO_LOAD_FRICTION = 2, JO_LOAD_GRAVITY = 3, JO_LOAD_INERTIA = 4,
+               JO_LOAD_ELASTIC = 5, JO_LOAD_DAMPING = 6 } jo_load_kind;
 typedef enum { JO_RESIDUE_HALF = 0, JO_RESIDUE_REPEAT = 1, JO_RESIDUE_IGNORE = 2 } jo_residue;
 typedef enum { JO_MEAN_NONE = 0, JO_MEAN_LINE = 1, JO_MEAN_GERBER = 2, JO_MEAN_WALKER = 3, JO_MEAN_FKM = 4,
                JO_MEAN_WELD = 5, JO_MEAN_COMPRESSION = 6 } jo_mean;
@@ -346,7 +349,8 @@ typedef struct {
     int other, frame;       /* marker of the observer, marker of the axes; -1: world. ACCELERATION_PARTS (5 x 3: of the observer's
                              * frame, normal, tangential, Coriolis, relative): other -1 is the frame of the marker's body.
                              * ELEMENT, SECTION: other is the index of the first component; STRESS, BRIDGE: other is the signal of the
-                             * apparent strain or of the change of temperature, -1: none */
+                             * apparent strain or of the change of temperature, -1: none; BODY_LOAD, MODAL_LOAD: other is the
+                             * jo_load_kind */
     int offset, count;      /* range in the sensor vector */
     const jo_real *rows;    /* STRESS: (count x np), VON_MISES: (6 count x np), PRINCIPAL: (2 count x np), row-major;
                              * BRIDGE: (5 x np) relative resistance of four arms; the last row has their drifts, 1/K */

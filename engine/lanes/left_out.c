@@ -92,6 +92,10 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
     (void)m; (void)d; (void)stage;
     return 0;
 }
+void jo_friction_apply_force(const jo_model *m, jo_data *d, int i)
+{
+    (void)m; (void)d; (void)i;
+}
 int jo_friction_initialise_states(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;

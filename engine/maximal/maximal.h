@@ -129,6 +129,9 @@ void jo_use_step(const jo_model *m, jo_data *d, double gh);
 void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of the last evaluation */
 int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding);
 
+/* load_sensor.c */
+void jo_load_sensor(const jo_model *m, jo_data *d, const jo_sensor *s, jo_real *y);   /* of type BODY_LOAD or MODAL_LOAD */
+
 /* sensors.c */
 int jo_needs_accelerations(const jo_sensor *s);
 

@@ -331,6 +331,8 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
             break;
         case JO_SENSOR_BRIDGE: bridge(m, d, s, y); break;
         case JO_SENSOR_SECTION: section(m, d, s, y); break;
+        case JO_SENSOR_BODY_LOAD:
+        case JO_SENSOR_MODAL_LOAD: jo_load_sensor(m, d, s, y); break;
         case JO_SENSOR_FORCE_STATE: jo_force_state(m, d, s->object, s->other, y); break;
         default: break;
         }

@@ -66,6 +66,11 @@ def moving(reduced):
     sensors = [make(f"{key} world", tip) for key, make in pairs]
     sensors += [make(f"{key} seen", tip, relative_to=seat) for key, make in pairs]
     sensors += [make(f"{key} own", tip, relative_to=seat, resolved_in=tip) for key, make in pairs]
+    sensors += [
+        jo.mechanism.BodyLoadSensor(f"{kind} {body.name}", body, kind, modal=body is hand)
+        for body in (arm, hand)
+        for kind in ("joint", "gravity", "inertia", "elastic", "damping")
+    ]
     origin = jo.ground["origin"]
     sensors += [
         make(f"{key} seen, world", tip, relative_to=seat, resolved_in=origin) for key, make in pairs
@@ -551,7 +556,7 @@ def test_every_sensor_says_what_it_is():
     given = {
         "beam": rope, "marker": beam["end"], "body": beam, "joint": hinge, "force": spring,
         "coordinate": hinge.angle, "energy": "kinetic", "signal": jo.Step(1.0), "at": "e1.a.top",
-        "sn": jo.SN(S_D=1e8, N_D=1e6, k=5), "residue": "half",
+        "load": "joint", "sn": jo.SN(S_D=1e8, N_D=1e6, k=5), "residue": "half",
         "arms": jo.gauges.Gauge("arm", beam, "e1.a.top"),
     }  # fmt: skip
     sensors = []

@@ -114,6 +114,7 @@ def everything() -> jo.Mechanism:
         jo.mechanism.AngularAccelerationSensor("wheeling", end),
         jo.mechanism.ModalSensor("modal", arm),
         jo.mechanism.DeformationMomentumSensor("momentum", arm),
+        jo.mechanism.BodyLoadSensor("loads", arm, "applied"),
         jo.ReactionSensor("reaction", hinge),
         jo.ReactionSensor("drive torque", axle),
         jo.ForceSensor("felt", spring),

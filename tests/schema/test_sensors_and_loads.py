@@ -22,6 +22,7 @@ from jousto.mechanism.sensors.body import (
     StressSensor,
     VonMisesSensor,
 )
+from jousto.mechanism.sensors.body_load import BodyLoadSensor
 from jousto.mechanism.sensors.bridge import Bridge
 from jousto.mechanism.sensors.damage import DamageSensor
 from jousto.mechanism.sensors.force_state import ForceStateSensor
@@ -105,6 +106,8 @@ sensors:
   - {type: bridge, name: s25, arms: [s15, null, s16], gauge_factor: 2.1}
   - {type: acceleration-parts, name: s26, marker: arm.end, relative_to: slider.origin}
   - {type: deformation-momentum, name: s27, body: arm}
+  - {type: body-load, name: s28, body: slider, load: joint}
+  - {type: body-load, name: s29, body: arm, load: inertia, modal: true}
 """
 
 
@@ -158,6 +161,8 @@ def test_sensors_equal_the_python_constructors():
         Bridge("s25", (top, None, between), gauge_factor=2.1),
         AccelerationPartsSensor("s26", end, relative_to=seat),
         DeformationMomentumSensor("s27", arm),
+        BodyLoadSensor("s28", slider, "joint"),
+        BodyLoadSensor("s29", arm, "inertia", modal=True),
     )
     same(model.sensors, expected)
     # those of beams: test_beams.py, of states: test_plastic_spring.py

@@ -17,6 +17,7 @@ from .sensors.body import (
     ModalSensor as ModalSensor,
     PrincipalStressSensor as PrincipalStressSensor,
 )
+from .sensors.body_load import BodyLoadSensor as BodyLoadSensor
 from .sensors.damage import DamageSensor as DamageSensor
 from .sensors.force_state import ForceStateSensor as ForceStateSensor
 from .sensors.motion import (
