@@ -51,7 +51,7 @@ typedef struct {
 typedef struct {
     jo_real y[6];           /* force, N, and torque, N m, on b, world; along a coordinate: y[0] is the force */
     jo_real stored;         /* energy of its springs, J */
-    jo_real stiffness, damping;   /* forces with states: -dF/ds, -dF/ds' at constant states */
+    jo_real stiffness, damping;   /* forces with states, gear springs: -dF/ds, -dF/ds' at constant states */
 } jo_force_work;
 
 #endif

@@ -34,6 +34,8 @@ typedef double jo_real;
  * modal_load: force and torque on the body frame, resolved in it, followed by (np) modal forces; times signal
  * user: result of jo_force.function; no data
  * plastic: elastic-plastic spring, see force_plastic.c; five states from jo_force.state on
+ * gear_spring: f = -stiffness e - damping e' + spring(e) along s, -f / ratio along the other coordinate s_2 (of the shaft that turns
+ *   `ratio` times as far), e = s - s_2 / ratio - free
  * pid: controller with integral part and filtered derivative, see force_pid.c; two states from jo_force.state on
  * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
  *   coefficients of (s - s_k)^0..3 of the position and of each mode shape; at s = reference(t), times signal; 0 beyond the ends */
@@ -47,6 +49,7 @@ typedef double jo_real;
     ROW(moving_load, count, modes, force[3]) \
     ROW(pid, proportional, integral, derivative, weight, filter, filter_share, tracking, tracking_share, lower, upper, start, speed) \
     ROW(plastic, stiffness, free, strength, kinematic, recovery, isotropic, saturation, rate) \
+    ROW(gear_spring, stiffness, damping, ratio, free) \
     /* the last row */
 
 /* Methods of integration, a row each: ROW(name, family, order, stages, coefficients), which the Python binding reads, too. A row makes
@@ -77,7 +80,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 18 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 19 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -310,6 +313,7 @@ typedef struct {
     int type;               /* jo_force_type: JO_FORCE_load, ... */
     int a, b;               /* markers, -1 where not used */
     int coordinate, body;   /* -1 where not used */
+    int other;              /* second coordinate, -1: none */
     /* follow: force in the frame of b; active: the power of the force counts as work, not as stored or dissipated energy */
     int follow, active;
     int signal, reference, spring, damper;   /* signals, -1: none; arguments of spring and damper are s and s' instead of time */

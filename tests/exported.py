@@ -103,6 +103,12 @@ def reaching_arm() -> jo.Mechanism:
             saturation=0.5,
             rate=20.0,
         ),
+        jo.mechanism.GearSpring(
+            *("spindle", slide.coordinates[0], twist.coordinates[1], -40.0),
+            law=None,
+            stiffness=300.0,
+            damping=2.0,
+        ),
         jo.Spring("coil", twist.coordinates[1], stiffness=12.0, damping=0.3),
         jo.Spring.between("line", plate.at((0.6, 0, 0)), kite["origin"], 30.0, damping=0.5),
         jo.Bushing("pad", ground.at((2, 0, 0)), cross.at((0, 0, 0)), (40, 40, 40, 1, 1, 1), 0.5),

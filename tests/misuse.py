@@ -185,6 +185,16 @@ def _machines(made: Made, folder: Path) -> list[Call]:
         (jo.JointForce, {"name": "f", "coordinate": angle, "signal": one}),
         (jo.mechanism.Stop, {"name": "f", "coordinate": angle, "lower": 0.0, "stiffness": 1.0}),
         (
+            jo.mechanism.GearSpring,
+            {
+                "name": "f",
+                "coordinate": angle,
+                "motor": wrist.angle,
+                "ratio": 9.0,
+                "stiffness": 1.0,
+            },
+        ),
+        (
             jo.mechanism.PlasticSpring,
             {"name": "f", "coordinate": angle, "stiffness": 1.0, "strength": 1.0},
         ),

@@ -162,6 +162,10 @@ void jo_element_along(const jo_data *d, jo_element *e, int coordinate, const jo_
 {
     (void)d; (void)e; (void)coordinate; (void)g; (void)f; (void)fs; (void)frate;
 }
+void jo_element_cross(const jo_data *d, jo_element *e, int coordinate, int of_a, int of_b, const jo_gradients *g, jo_real fs, jo_real frate)
+{
+    (void)d; (void)e; (void)coordinate; (void)of_a; (void)of_b; (void)g; (void)fs; (void)frate;
+}
 void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e)
 {
     (void)m; (void)d; (void)e;

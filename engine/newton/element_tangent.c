@@ -5,6 +5,8 @@ void jo_element_start(jo_element *e, int a, int b)
 {
     e->a = a;
     e->b = b;
+    e->of_a = a;
+    e->of_b = b;
     for (int i = 0; i < 12; i++) {
         e->y[i] = 0.0;
         for (int j = 0; j < 24; j++) e->Y[i][j] = 0.0;
@@ -29,7 +31,7 @@ static int is_zero(const jo_element *e, int i, int j)
 /* N -= L^T Y W for each pair of sides; loads of the markers += y */
 void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e)
 {
-    const int marker[2] = {e->a, e->b};
+    const int marker[2] = {e->a, e->b}, moved[2] = {e->of_a, e->of_b};
     for (int s = 0; s < 2; s++) {
         const int body = marker[s] < 0 ? -1 : m->marker[marker[s]].body;
         if (body < 0) continue;
@@ -37,10 +39,10 @@ void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e)
         const int n = 6 + m->body[body].n, row = jo_pad(n);
         for (int i = 0; i < 6; i++) w->load[i] += e->y[6 * s + i];
         for (int t = 0; t < 2; t++) {
-            const int other = marker[t] < 0 ? -1 : m->marker[marker[t]].body;
+            const int other = moved[t] < 0 ? -1 : m->marker[moved[t]].body;
             if (other < 0) continue;
             const int columns = jo_pad(6 + m->body[other].n);
-            const jo_real *W = d->newton.marker[marker[t]].W;
+            const jo_real *W = d->newton.marker[moved[t]].W;
             const jo_block N = jo_newton_find(m, d, body, other);
             for (int half = 0; half < 2; half++) {
                 int used[4], any = 0;
@@ -173,13 +175,30 @@ void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, j
     own_gradients(m, d, k, w, g);
 }
 
+/* gradient of a coordinate with respect to [r, phi] of a and of b */
+static inline void gradient_of(const jo_coordinate_work *w, jo_real *y)
+{
+    for (int i = 0; i < 3; i++) { y[i] = -w->along[i]; y[3 + i] = w->turn_a[i]; y[6 + i] = w->along[i]; y[9 + i] = w->turn_b[i]; }
+}
+
+/* Y += gradient (fs ds + frate ds'), s: a coordinate of the markers of_a, of_b with the gradients g */
+void jo_element_cross(const jo_data *d, jo_element *e, int coordinate, int of_a, int of_b, const jo_gradients *g, jo_real fs,
+                      jo_real frate)
+{
+    jo_real y[12];
+    gradient_of(&d->coordinate[coordinate], y);
+    e->of_a = of_a;
+    e->of_b = of_b;
+    for (int i = 0; i < 12; i++)
+        for (int j = 0; j < 24; j++) e->Y[i][j] += y[i] * (fs * g->s[j] + frate * g->rate[j]);
+}
+
 /* y += f gradient, Y += f G + gradient (fs ds + frate ds'): force f along a coordinate with fs = df/ds, frate = df/ds' */
 void jo_element_along(const jo_data *d, jo_element *e, int coordinate, const jo_gradients *g, jo_real f, jo_real fs,
                       jo_real frate)
 {
-    const jo_coordinate_work *w = &d->coordinate[coordinate];
     jo_real y[12];
-    for (int i = 0; i < 3; i++) { y[i] = -w->along[i]; y[3 + i] = w->turn_a[i]; y[6 + i] = w->along[i]; y[9 + i] = w->turn_b[i]; }
+    gradient_of(&d->coordinate[coordinate], y);
     static const int row[4] = {0, 3, 0, 6};   /* of G */
     for (int i = 0; i < 12; i++) {
         const jo_real *G = g->G[row[i / 3] + i % 3], s = i < 3 ? -f : f;

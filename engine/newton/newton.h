@@ -9,6 +9,7 @@
  * Y = dy / d[dr, dphi, dv, dom of a, the same of b]. */
 typedef struct {
     int a, b;               /* markers; a -1: none */
+    int of_a, of_b;         /* markers whose motion the columns of Y are: a, b but for jo_element_cross */
     jo_real y[12];
     jo_real Y[12][24];
 } jo_element;
@@ -28,6 +29,10 @@ void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e);   /*
 void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, jo_gradients *g);
 /* force f along a coordinate, fs = df/ds, frate = df/ds' */
 void jo_element_along(const jo_data *d, jo_element *e, int coordinate, const jo_gradients *g, jo_real f, jo_real fs,
+                      jo_real frate);
+/* slopes fs, frate of the force along a coordinate with respect to the value and rate, with gradients g, of a coordinate of the markers
+ * of_a, of_b */
+void jo_element_cross(const jo_data *d, jo_element *e, int coordinate, int of_a, int of_b, const jo_gradients *g, jo_real fs,
                       jo_real frate);
 
 /* relative_motion_tangent.c: motion of b relative to a, resolved in a */

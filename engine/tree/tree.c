@@ -253,8 +253,8 @@ static inline void shift_force(jo_link_work *w, articulated_inertia *y)
 
 /* Hinge or slide: U = I^A S, D = S^T U, u = tau - S^T p^A, with S = [0; z] or [z; 0]. ROS2 and other W-methods have
  * D + g h (damping + g h stiffness), the diagonal of their matrix. Returns whether D is positive. */
-static inline int joint_space_inertia(const jo_data *d, const jo_stage *stage, const jo_link *k, jo_link_work *w,
-                                      const articulated_inertia *y)
+static inline int joint_space_inertia(const jo_data *d, const jo_stage *stage, const jo_link *k, const jo_link_coupling *g,
+                                      jo_link_work *w, const articulated_inertia *y)
 {
     const jo_vec *z = &w->A[2];   /* axis of the joint */
     if (k->type == JO_LINK_HINGE) {
@@ -269,22 +269,42 @@ static inline int joint_space_inertia(const jo_data *d, const jo_stage *stage, c
         w->u = d->tree.tau[k->u] - jo_vec_dot(*z, y->f);
     }
     if (stage->set) w->D += stage->gh * (d->tree.damping[k->u] + stage->gh * d->tree.stiffness[k->u]);
+    if (g) w->D -= g->Dc;
     w->Dinv = 1.0 / w->D;
     /* U about the origin of the parent: t + l x f */
     w->Ut_parent = jo_vec_add(w->Ut, jo_vec_cross(w->l, w->Uf));
+    if (g) {   /* less the shares of motors */
+        w->u -= g->u;
+        w->Uf = jo_vec_sub(w->Uf, g->Uf);
+        w->Ut_parent = jo_vec_sub(w->Ut_parent, g->Ut);
+    }
     return JO_RE(w->D) > 0.0;
 }
 
+/* The motor of a gear spring is eliminated: c^2 / D, c u / D, c U / D to the joint of the spring. */
+static inline void pass_to_joint(jo_data *d, const jo_stage *stage, const jo_link *k, const jo_link_work *w, jo_link_coupling *g)
+{
+    jo_link_coupling *q = &d->tree.coupling[g->to];
+    g->c = stage->gh * (g->damping + stage->gh * g->stiffness);
+    const jo_real share = g->c * w->Dinv;
+    q->Dc += share * g->c;
+    q->u += share * w->u;
+    if (k->parent < 0) return;
+    q->Uf = jo_vec_axpy(q->Uf, share, w->Uf);
+    q->Ut = jo_vec_axpy(q->Ut, share, w->Ut_parent);
+}
+
 /* y: I_i^A, p_i^A on entry, I^a, p^a at the origin of the parent on return. Returns whether D_i is regular. */
-static inline int eliminate_joint(const jo_data *d, const jo_stage *stage, const jo_link *k, int store_all, jo_link_work *w,
-                                  articulated_inertia *y)
+static inline int eliminate_joint(jo_data *d, const jo_stage *stage, const jo_link *k, jo_link_coupling *g, int store_all,
+                                  jo_link_work *w, articulated_inertia *y)
 {
     int regular = 1;
     if (jo_link_is_prescribed(d, k)) {   /* I^a = I^A, p^a = p^A, with the prescribed acceleration in c_i */
         store(y, w);
         if (k->parent >= 0) shift_to_parent(w, y);
     } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
-        regular = joint_space_inertia(d, stage, k, w, y);
+        regular = joint_space_inertia(d, stage, k, g, w, y);
+        if (g && g->to >= 0) pass_to_joint(d, stage, k, w, g);
         if (store_all) store(y, w);
         if (k->parent >= 0) eliminate_one_dof(w, y);
     } else {
@@ -295,11 +315,22 @@ static inline int eliminate_joint(const jo_data *d, const jo_stage *stage, const
     return regular;
 }
 
+/* no shares of motors */
+static void reset_couplings(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nlink; i++) {
+        jo_link_coupling *g = &d->tree.coupling[i];
+        g->c = g->Dc = g->u = jo_same(0.0);
+        g->Uf = g->Ut = jo_vec_zero();
+    }
+}
+
 /* I_i^A, p_i^A, U_i, D_i, u_i of all links from the last one to the first */
 static int backward_pass(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const int store_all = m->nfriction || m->nloop, has_body_forces = d->tree.nbody > 0;   /* reactions need I^A, p^A of all links */
     articulated_inertia y = zero_inertia();
+    if (d->tree.coupled) reset_couplings(m, d);
     for (int i = m->nlink - 1; i >= 0; i--) {
         const jo_link *k = &m->link[i];
         const jo_link_constants *c = &d->tree.constants[i];
@@ -322,7 +353,7 @@ static int backward_pass(const jo_model *m, jo_data *d, const jo_stage *stage)
             y.t = jo_vec_add(y.t, w->joint_t);
         }
         /* U, D, u; I^a, p^a */
-        if (!eliminate_joint(d, stage, k, store_all, w, &y)) {
+        if (!eliminate_joint(d, stage, k, d->tree.coupled ? &d->tree.coupling[i] : 0, store_all, w, &y)) {
             d->error_index = k->body >= 0 ? k->body : m->link[i + 1].body;
             return JO_RE(w->D) == JO_RE(w->D) ? JO_SINGULAR_BODY : JO_NOT_FINITE;
         }
@@ -368,6 +399,7 @@ void jo_tree_forward_pass_2(const jo_model *m, jo_data *d)
             jo_vec_store(ud + 3, jo_vec_mat_tmul(w->A, alpha));
         } else if (k->driven < 0 && k->type != JO_LINK_FIXED) {
             ud[0] = jo_link_is_locked(d, k) ? 0.0 : w->Dinv * (w->u - jo_vec_dot_sum(w->Uf, a_parent, w->Ut_parent, alpha_parent));
+            if (d->tree.coupled && !jo_link_is_locked(d, k)) ud[0] -= w->Dinv * jo_link_coupled(m, d, i, d->ud);
             if (k->type == JO_LINK_HINGE) alpha = jo_vec_axpy(alpha, ud[0], w->A[2]);
             else a = jo_vec_axpy(a, ud[0], w->A[2]);
         }

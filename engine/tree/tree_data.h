@@ -7,6 +7,7 @@
 typedef struct jo_link_work jo_link_work;
 typedef struct jo_link_constants jo_link_constants;
 typedef struct jo_link_response jo_link_response;
+typedef struct jo_link_coupling jo_link_coupling;
 typedef struct jo_loop_work jo_loop_work;
 typedef struct jo_reach_work jo_reach_work;
 
@@ -22,6 +23,8 @@ typedef struct {
 typedef struct {
     jo_real *tau;           /* (nu) force along each joint coordinate, N or N m */
     jo_real *stiffness, *damping;   /* (nu) stiffness and damping along joint coordinates in the matrix of a Rosenbrock method */
+    jo_link_coupling *coupling;   /* (nlink) gear springs in the matrix of a Rosenbrock method */
+    int coupled;            /* whether the factors of the last evaluation contain them */
     jo_real *drive_force;   /* (nlink) force of the drive of each link, N or N m */
     jo_link_work *link;     /* (nlink + 1), the ground first */
     jo_link_constants *constants;   /* (nlink) */

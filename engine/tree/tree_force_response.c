@@ -11,9 +11,18 @@ void jo_tree_clear_added_forces(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nu; i++) d->tree.added_tau[i] = 0.0;
 }
 
+/* u of a joint less the shares c D^-1 u of its motors, which come before it in the backward pass */
+static inline void pass_to_joint(jo_data *d, const jo_link_work *w, jo_link_response *c, int link)
+{
+    const jo_link_coupling *g = &d->tree.coupling[link];
+    c->u -= g->added_u;
+    if (g->to >= 0) d->tree.coupling[g->to].added_u += g->c * w->Dinv * c->u;
+}
+
 /* f^a = f^A - U D^-1 u, added to the parent, with u = added_tau + S^T f^A */
 static void backward_pass(const jo_model *m, jo_data *d)
 {
+    for (int i = 0; i < m->nlink && d->tree.coupled; i++) d->tree.coupling[i].added_u = jo_same(0.0);
     for (int i = m->nlink - 1; i >= 0; i--) {
         const jo_link *k = &m->link[i];
         const jo_link_work *w = &d->tree.link[i + 1];
@@ -28,6 +37,7 @@ static void backward_pass(const jo_model *m, jo_data *d)
         }
         if (jo_link_has_one_dof(d, k)) {   /* u = added_tau + S^T f; f - U D^-1 u */
             c->u = d->tree.added_tau[k->u] + jo_vec_dot(w->A[2], k->type == JO_LINK_HINGE ? c->t : c->f);
+            if (d->tree.coupled) pass_to_joint(d, w, c, i);
             const jo_real Dinv_u = -c->u * w->Dinv;
             f = jo_vec_axpy(f, Dinv_u, w->Uf);
             t = jo_vec_axpy(t, Dinv_u, w->Ut_parent);
@@ -52,6 +62,7 @@ void jo_tree_force_response(const jo_model *m, jo_data *d, jo_real *rate)
         c->a = jo_vec_add(p->a, jo_vec_cross(p->alpha, w->l));
         if (jo_link_has_one_dof(d, k)) {
             y[0] = w->Dinv * (c->u - jo_vec_dot_sum(w->Uf, p->a, w->Ut_parent, p->alpha));
+            if (d->tree.coupled) y[0] -= w->Dinv * jo_link_coupled(m, d, i, rate);
             if (k->type == JO_LINK_HINGE) c->alpha = jo_vec_axpy(c->alpha, y[0], w->A[2]);
             else c->a = jo_vec_axpy(c->a, y[0], w->A[2]);
         } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {

@@ -5,7 +5,8 @@
  *   k_q1 = v0 + g h a1,            (M + g h D + (g h)^2 K) a1 = F0 - g h K v0
  *   k_q2 = v1 - 2 g h a1 + g h a2, (M + g h D + (g h)^2 K) a2 = F1 + g h (K (2 v0 - v1 + 4 g h a1) + 2 D a1)
  * where k_q is eliminated from the second row. On a tree K and D are diagonal, of springs and dampers along joint coordinates: they
- * enter D_i = S_i^T U_i of tree.c, the terms on the right enter tau.
+ * enter D_i = S_i^T U_i of tree.c, the terms on the right enter tau. A gear spring between two joints of one parent has an element
+ * off the diagonal, see jo_link_coupling.
  */
 #include "maximal/maximal.h"
 #include "force/force.h"
@@ -68,15 +69,21 @@ void jo_tree_update_markers(const jo_model *m, jo_data *d, const int *list, int 
     }
 }
 
+/* value and rate of a joint coordinate, from x and u */
+static void read_joint_coordinate(const jo_model *m, jo_data *d, int c)
+{
+    if (c < 0 || m->coordinate[c].link < 0) return;
+    const jo_link *k = &m->link[m->coordinate[c].link];
+    d->coordinate[c].value = jo_link_sign(k) * d->x[k->x];
+    d->coordinate[c].rate = jo_link_sign(k) * d->u[k->u];
+}
+
 /* value and rate of the coordinates of force laws: from x and u for joint coordinates, from the markers for others */
 static void update_coordinates(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nforce; i++) {
-        const int c = m->force[i].coordinate;
-        if (c < 0 || m->coordinate[c].link < 0) continue;
-        const jo_link *k = &m->link[m->coordinate[c].link];
-        d->coordinate[c].value = jo_link_sign(k) * d->x[k->x];
-        d->coordinate[c].rate = jo_link_sign(k) * d->u[k->u];
+        read_joint_coordinate(m, d, m->force[i].coordinate);
+        read_joint_coordinate(m, d, m->force[i].other);
     }
     for (int i = 0; i < d->tree.ncoordinate; i++) {
         jo_coordinate_value(m, d, d->tree.coordinate[i]);
@@ -145,13 +152,45 @@ void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage 
     }
 }
 
+/* whether the gear spring of a motor at link `motor` and a joint at link `to` can be in the matrix, see jo_link_coupling */
+static int can_couple(const jo_model *m, const jo_data *d, int motor, int to)
+{
+    const jo_link *k = &m->link[motor];
+    return !m->nloop && motor > to && d->tree.coupling[motor].to < 0 && (k->parent < 0 || k->parent == m->link[to].parent);
+}
+
+/* K and D of a gear spring; none if it acts on other motions than the free joint coordinates of two links */
+static void gather_gear_spring(const jo_model *m, jo_data *d, const jo_force *f, const jo_force_work *w)
+{
+    jo_tree *t = &d->tree;
+    const int to = m->coordinate[f->coordinate].link, motor = m->coordinate[f->other].link;
+    if (to < 0 || motor < 0) return;
+    const jo_link *q = &m->link[to], *k = &m->link[motor];
+    const jo_real share = 1.0 / ((const jo_gear_spring_data *)f->data)->ratio;
+    const int q_moves = !jo_link_is_prescribed(d, q), k_moves = !jo_link_is_prescribed(d, k);
+    const jo_real K = JO_RE(w->stiffness) > 0.0 ? w->stiffness : 0.0, D = w->damping;
+    if (q_moves && k_moves) {
+        if (!can_couple(m, d, motor, to)) return;
+        const jo_real cross = -jo_link_sign(q) * jo_link_sign(k) * share;
+        t->coupling[motor].to = to;
+        t->coupling[motor].stiffness = cross * K;
+        t->coupling[motor].damping = cross * D;
+        t->coupled = 1;
+    }
+    if (q_moves) { t->stiffness[q->u] += K; t->damping[q->u] += D; }
+    if (k_moves) { t->stiffness[k->u] += share * share * K; t->damping[k->u] += share * share * D; }
+}
+
 /* K and D of springs and dampers along joint coordinates for the matrix of a Rosenbrock method, in stage 1; later stages use the same matrix */
 static void gather_stiffness(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
     for (int i = 0; i < m->nu; i++) t->stiffness[i] = t->damping[i] = 0.0;
+    for (int i = 0; i < m->nlink; i++) t->coupling[i].to = -1;
+    t->coupled = 0;
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
+        if (f->type == JO_FORCE_gear_spring && !jo_released(d, f->release)) gather_gear_spring(m, d, f, &d->force[i]);
         const int c = f->type == JO_FORCE_along ? f->coordinate : -1;
         if (c < 0 || m->coordinate[c].link < 0 || jo_released(d, f->release)) continue;
         const jo_along_data *x = (const jo_along_data *)f->data;
@@ -164,6 +203,22 @@ static void gather_stiffness(const jo_model *m, jo_data *d)
     }
 }
 
+/* tau_i += s (K_ij x_j + D_ij y_j) of the elements off the diagonal */
+static void add_coupled(const jo_model *m, jo_data *d, double s, const jo_real *x, const jo_real *y)
+{
+    jo_real *tau = d->tree.tau;
+    for (int i = 0; i < m->nlink; i++) {
+        const jo_link_coupling *g = &d->tree.coupling[i];
+        if (g->to < 0) continue;
+        const int k = m->link[i].u, q = m->link[g->to].u;
+        tau[q] += s * g->stiffness * x[k];
+        tau[k] += s * g->stiffness * x[q];
+        if (!y) continue;
+        tau[q] += s * g->damping * y[k];
+        tau[k] += s * g->damping * y[q];
+    }
+}
+
 /* right-hand side of a Rosenbrock method: tau -= g h K v in stage 1; in later stages dv and acc contain the arguments of K and D */
 static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
@@ -173,6 +228,9 @@ static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage)
     if (m->nstate) eliminate_states(m, d, stage);
     if (!stage->earlier) for (int i = 0; i < m->nu; i++) t->tau[i] -= gh * t->stiffness[i] * d->u[i];
     else for (int i = 0; i < m->nu; i++) t->tau[i] += gh * (t->stiffness[i] * d->dv[i] + t->damping[i] * d->acc[i]);
+    if (!t->coupled) return;
+    if (!stage->earlier) add_coupled(m, d, -gh, d->u, 0);
+    else add_coupled(m, d, gh, d->dv, d->acc);
 }
 
 /* minus the external force and moment on each body, about the origin of the link: -f^x of the backward pass */
@@ -197,6 +255,7 @@ int jo_tree_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const int has_body_forces = d->tree.nbody > 0;
     const jo_lanes none = {0.0};
+    if (!stage->set) d->tree.coupled = 0;
     JO_EACH(i, m->nu) JO_STORE(d->tree.tau + i) = none;
     if (!m->nforce && !has_body_forces) {
         if (stage->set)

@@ -12,6 +12,7 @@ static void lay_links(const jo_model *m, jo_data *d, jo_arena *a)
     t->maximal_copy = jo_take_reals(a, m->nlink ? m->nq + m->nv : 0);
     t->link = jo_take(a, m->nlink ? (size_t)(m->nlink + 1) * sizeof *t->link : 0);
     t->response = jo_take(a, m->nlink ? (size_t)(m->nlink + 1) * sizeof *t->response : 0);
+    t->coupling = jo_take(a, m->nlink ? (size_t)m->nlink * sizeof *t->coupling : 0);
     t->constants = jo_take(a, (size_t)m->nlink * sizeof *t->constants);
     t->hinge = jo_take(a, (size_t)m->nlink * sizeof(int));
     t->marker = jo_take(a, m->nlink ? (size_t)m->nactive * sizeof(int) : 0);

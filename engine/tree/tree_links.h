@@ -202,6 +202,16 @@ struct jo_link_response {
     jo_real u;              /* change of u, the force along the joint */
 };
 
+/* Gear spring between the joint of a link, a motor, and the joint of another link `to` of the same parent, in the matrix M + g h D +
+ * (g h)^2 K of a Rosenbrock method: an element c off its diagonal. The motor is eliminated first: D_to -= c^2 / D, U_to -= c U / D,
+ * u_to -= c u / D. A motor on the ground (parent -1) has no part in U_to, since the ground does not move. */
+struct jo_link_coupling {
+    int to;                 /* of a motor; -1: none */
+    jo_real stiffness, damping;   /* of a motor: K, D off the diagonal; c = g h (D + g h K) */
+    jo_real c, Dc, u, added_u;   /* c of a motor; of a joint: sums of c^2 / D, c u / D over its motors, the latter of added forces too */
+    jo_vec Uf, Ut;          /* of a joint: sums of c U / D about the origin of the parent */
+};
+
 /* Marker on one side of the joint that closes a loop. */
 typedef struct {
     int link, reach, marker;   /* index in m->link, m->reach, m->marker; link -1: ground */
@@ -248,6 +258,13 @@ static inline jo_real jo_link_drive_force(const jo_data *d, const jo_link *k, co
     F = jo_vec_add(F, jo_vec_mat_mul_lanes(hinge ? w->J : w->H, w->alpha));
     F = jo_vec_add(F, hinge ? w->t : w->f);
     return jo_vec_dot(F, w->A[2]) - d->tree.tau[k->u];
+}
+
+/* c times the rate of the joint to which a gear spring couples a link; 0: none. rate (nu) */
+static inline jo_real jo_link_coupled(const jo_model *m, const jo_data *d, int link, const jo_real *rate)
+{
+    const jo_link_coupling *g = &d->tree.coupling[link];
+    return g->to < 0 ? jo_same(0.0) : g->c * rate[m->link[g->to].u];
 }
 
 /* 1, or -1 if the coordinate of the joint is minus the joint coordinate of the link */

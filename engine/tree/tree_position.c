@@ -148,6 +148,16 @@ static void add_marker(const jo_model *m, jo_data *d, int marker)
     if (marker >= 0) add_unique(t->body, &t->nbody, m->marker[marker].body);
 }
 
+/* coordinate and its markers into the lists, unless it is a joint coordinate */
+static void add_coordinate(const jo_model *m, jo_data *d, int c)
+{
+    jo_tree *t = &d->tree;
+    if (c < 0 || m->coordinate[c].link >= 0) return;
+    if (!jo_nmaximal(d) || jo_coordinate_in_tree(d, c)) add_unique(t->coordinate, &t->ncoordinate, c);
+    add_marker(m, d, m->coordinate[c].a);
+    add_marker(m, d, m->coordinate[c].b);
+}
+
 /* axes, position, velocity and acceleration of the ground */
 static void set_ground(jo_link_work *ground)
 {
@@ -174,15 +184,18 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
         const int parent = m->link[i].parent;
         if (parent >= 0 && (parent != i - 1 || m->link[i].type == JO_LINK_FIXED)) t->constants[parent].has_branch = 1;
     }
+    for (int i = 0; i < m->nlink; i++) t->coupling[i].to = -1;
+    t->coupled = 0;
     /* coordinates and markers of force laws, except joint coordinates */
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
         const int c = f->coordinate;
-        if (c >= 0 && m->coordinate[c].link >= 0) continue;
-        if (c < 0 || !jo_nmaximal(d) || jo_coordinate_in_tree(d, c)) add_unique(t->coordinate, &t->ncoordinate, c);
-        add_marker(m, d, c >= 0 ? m->coordinate[c].a : f->a);
-        add_marker(m, d, c >= 0 ? m->coordinate[c].b : f->b);
-        if (c < 0 && f->body >= 0 && (!jo_nmaximal(d) || jo_body_in_tree(d, f->body))) add_unique(t->body, &t->nbody, f->body);
+        add_coordinate(m, d, f->other);
+        add_coordinate(m, d, c);
+        if (c >= 0) continue;
+        add_marker(m, d, f->a);
+        add_marker(m, d, f->b);
+        if (f->body >= 0 && (!jo_nmaximal(d) || jo_body_in_tree(d, f->body))) add_unique(t->body, &t->nbody, f->body);
     }
     /* loops: rows that are linear in coordinates read these; other rows read the links only */
     for (int i = 0; i < m->nloop; i++) {

@@ -94,6 +94,7 @@ def everything() -> jo.Mechanism:
         jo.JointForce("torque", axle.angle, jo.Constant(1.0)),
         jo.mechanism.Stop("limit", slide.displacement, upper=0.4, stiffness=1e4),
         yields,
+        jo.mechanism.GearSpring("shaft", slide.displacement, motor.angle, 30.0, 50.0, damping=1.0),
         jo.Servo("servo", slide.displacement, jo.Constant(0.1), kp=10.0),
         jo.mechanism.PID("hold", slide.displacement, 0.1, kp=10.0, ki=1.0),
         jo.mechanism.SpeedPID("spin", axle.angle, 1.0, kp=1.0),

@@ -18,6 +18,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.certificate.load_warnings import unheld_loads
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.compile import compile
+from jousto.model.gear_springs import fastest_gear
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.rank.motions import moving, neighbour, without_drives
@@ -31,6 +32,7 @@ from jousto.model.rank.redundancy import (
 )
 from jousto.model.tree import BODIES, core_of
 
+EXPLICIT = 2.8  # step times the largest frequency up to which RK4 is stable
 LARGE = 2000  # number of velocities above which the mobility with rigid bodies is not computed
 
 
@@ -63,6 +65,9 @@ class Diagnosis:
         Further warnings.
     core : str
         Solver core, and the reason if it is not joint coordinates (see `compile`).
+    explicit_step : float or None
+        Step, s, below which explicit methods are stable with the gear springs (`ElasticJoint`);
+        None without any.
     """
 
     name: str
@@ -77,6 +82,7 @@ class Diagnosis:
     problems: tuple[Problem, ...] = ()
     warnings: tuple[str, ...] = ()
     core: str = ""
+    explicit_step: float | None = None
 
     def _facts(self) -> str:
         if self.problems:
@@ -120,6 +126,9 @@ class Diagnosis:
             out.append(("repeated rows", self.redundancy.sentence))
         if self.core and not self.core.startswith(BODIES):
             out.append(("runs in", self.core))
+        if self.explicit_step is not None:
+            text = f"RK4 needs a step below {1e3 * self.explicit_step:.3g} ms for the gear springs"
+            out.append(("explicit", text))
         out += [("problem", str(problem)) for problem in self.problems]
         out += [("warning", text) for text in self.warnings]
         return out
@@ -181,6 +190,7 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
         redundancy=found,
         warnings=said,
         core=core_of(model),
+        explicit_step=EXPLICIT / fastest if (fastest := fastest_gear(model)) else None,
     )
     return _with_motions(diagnosis, model)
 

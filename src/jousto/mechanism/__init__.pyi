@@ -3,8 +3,10 @@ from ..base.rotation_rates import rate_matrix as rate_matrix, velocity_matrix as
 from .beams.body import BeamDamping as BeamDamping
 from .beams.stiffness import BeamSection as BeamSection
 from .bodies.marker import Marker as Marker
+from .elastic_joint import ElasticJoint as ElasticJoint
 from .event import Event as Event
 from .forces.friction import Regularised as Regularised, StickSlip as StickSlip
+from .forces.gear_spring import GearSpring as GearSpring, HarmonicDrive as HarmonicDrive
 from .forces.line_load import LineLoad as LineLoad
 from .forces.moving import MovingLoad as MovingLoad
 from .forces.pid import PID as PID, SpeedPID as SpeedPID

@@ -13,8 +13,9 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.initial import Initial
-from jousto.model.hubs import order_joints
-from jousto.model.model import JointModel, LineModel, Model, SignalModel
+from jousto.model.force_numbers import numbers_of, with_number
+from jousto.model.gear_springs import NamedLine, gear_line, gear_springs, with_rows
+from jousto.model.model import JointModel, LineModel, Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.packing.builder import Builder
 from jousto.model.rank.redundancy import RANK, SHARE, constraint_matrix, dependent_rows, is_drive
@@ -193,44 +194,51 @@ def started(model: Model, initials: Sequence[Initial], builder: Builder) -> Mode
     values = [s for s in initials if s.value is not None]
     rates = [s for s in initials if s.rate is not None]
     if values:
-        model.q0[:] = _pose(_with_rows(model, values, builder), values)
+        before = _gear_angles(model)
+        model.q0[:] = _pose(with_rows(model, _lines(values, builder)), values)
+        model = _with_gears(model, _gear_angles(model) - before)
     if rates:
-        model.v0[:] = _velocities(_with_rows(model, rates, builder), rates)
+        gears = _free_gears(model, {builder.declared(s.coordinate) for s in rates})
+        lines = [*gears.values(), *_lines(rates, builder)]
+        model.v0[:] = _velocities(with_rows(model, lines), rates)
     return model
 
 
-def _with_rows(model: Model, initials: Sequence[Initial], builder: Builder) -> Model:
-    """Return the model with a row ``s = 0`` for each coordinate after all permanent rows."""
-    fixed = [joint for joint in model.joints if joint.lock < 0]
-    row = model.permanent
-    for initial in initials:
-        place = builder.declared(initial.coordinate)
-        s = model.coordinates[place]
-        fixed.append(
-            JointModel(initial.name, (s.a, s.b), False, (), row, (LineModel((place,), (1.0,)),))
-        )
-        row += 1
-    # friction and its rows have no effect on the initial state
-    return replace(
-        model,
-        joints=tuple(fixed),
-        elimination=order_joints(fixed, model.markers, model.bodies),
-        frictions=(),
-        forces=(),
-        sensors=(),
-        events=(),
-        meters=(),
-        signals=_without_events(model),
-        redundant=True,
-    )
+def _gear_angles(model: Model) -> Array:
+    """Return ``s - phi / N`` of each gear spring at the start, m or rad, within half a turn."""
+    gears = gear_springs(model)
+    if not gears:
+        return np.zeros(0)
+    rows = with_rows(model, [(force.name, gear_line(force)) for force in gears])
+    return np.array(Engine(rows, implicit=False).constraints()[0][model.permanent :])
 
 
-def _without_events(model: Model) -> tuple[SignalModel, ...]:
-    """Return the signals before any event."""
-    return tuple(
-        model.signals[signal.children[0]] if signal.kind == "switched" else signal
-        for signal in model.signals
-    )
+def _with_gears(model: Model, moved: Array) -> Model:
+    """Return the model whose gear springs have the same wind-up after their coordinates moved."""
+    gears = iter(moved.tolist())
+    forces = [
+        replace(force, data=with_number(force, "free", numbers_of(force).free + next(gears)))
+        if force.kind == "gear spring"
+        else force
+        for force in model.forces
+    ]
+    return replace(model, forces=tuple(forces)) if len(moved) else model
+
+
+def _free_gears(model: Model, given: set[int]) -> dict[int, NamedLine]:
+    """Return the gears, by motor, through which the rate of a joint sets that of its motor."""
+    lines = [line for joint in model.joints for line in joint.lines]
+    driven = {line.coordinates[0] for line in lines if len(line.coordinates) == 1}
+    return {
+        force.other: (force.name, gear_line(force))
+        for force in gear_springs(model)
+        if force.coordinate in given and force.other not in given | driven
+    }
+
+
+def _lines(initials: Sequence[Initial], builder: Builder) -> list[NamedLine]:
+    """Return the row ``s = 0`` of each coordinate."""
+    return [(s.name, LineModel((builder.declared(s.coordinate),), (1.0,))) for s in initials]
 
 
 def _pose(model: Model, initials: Sequence[Initial]) -> Array:

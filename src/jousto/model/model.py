@@ -260,7 +260,8 @@ class SignalModel:
 class ForceModel:
     """Force element; its kind is one of jousto.h: "load", "along", "modal load".
 
-    `release` is the event that removes it, -1 for none; `state` is the first of its first-order
+    `other` is a second coordinate along which it acts, -1 for none; `release` is the event that
+    removes it, -1 for none; `state` is the first of its first-order
     states; `element` is the kind of the declared force, such as "servo".
     """
 
@@ -270,6 +271,7 @@ class ForceModel:
     a: int = -1
     b: int = -1
     coordinate: int = -1
+    other: int = -1
     body: int = -1
     follow: bool = False
     active: bool = False
@@ -292,6 +294,11 @@ class ForceModel:
     def states(self) -> int:
         """Number of first-order states."""
         return len(self.state_names)
+
+    @property
+    def coordinates(self) -> tuple[int, ...]:
+        """Coordinates along which it acts."""
+        return tuple(place for place in (self.coordinate, self.other) if place >= 0)
 
 
 @described

@@ -122,8 +122,8 @@ def _pattern(model: Model) -> NewtonPattern:
     cliques = [[*bodies, nb + j] for j, bodies in enumerate(moving)]
     for force in model.forces:
         sides = [force.a, force.b]
-        if force.coordinate >= 0:
-            sides += [model.coordinates[force.coordinate].a, model.coordinates[force.coordinate].b]
+        for place in force.coordinates:
+            sides += [model.coordinates[place].a, model.coordinates[place].b]
         cliques.append(_moving(model, [s for s in sides if s >= 0]))
     cliques += [[beam.a, beam.b] for beam in model.beams]
     width: dict[

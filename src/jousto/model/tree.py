@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import accumulate
@@ -127,10 +128,7 @@ class _Tree:
         """Return the links, parents first; _Unfit if there are none."""
         self._check_items()
         joints = self._joints()
-        near: dict[int, list[int]] = {}
-        for k in joints:
-            for body in self._ends(k):
-                near.setdefault(body, []).append(k)
+        near = self._near(joints)
         self._grow(-1, near)
         heavy = sorted(range(len(self.model.bodies)), key=lambda i: -self._mass(i))
         for body in heavy:
@@ -182,13 +180,24 @@ class _Tree:
         for body in kept:
             fields = {"kind": "body", "parent": -1, "body": body}
             self._add(None, "body", {**fields, "modes": self.model.bodies[body].n})
-        near: dict[int, list[int]] = {}
-        for k in sorted(carried.values()):
-            for body in self._ends(k):
-                near.setdefault(body, []).append(k)
+        near = self._near(sorted(carried.values()))
         for body in [-1, *kept]:
             self._grow(body, near)
         return tuple(self.made)
+
+    def _near(self, joints: Sequence[int]) -> dict[int, list[int]]:
+        """Return the joints on each body, those of motors behind gear springs last.
+
+        A motor is eliminated before the joint of its spring, so that it follows that joint
+        (`jo_link_coupling` of the engine).
+        """
+        model, near = self.model, dict[int, list[int]]()
+        shafts = {model.coordinates[f.other] for f in model.forces if f.other >= 0}
+        sides = {frozenset((shaft.a, shaft.b)) for shaft in shafts}
+        for k in sorted(joints, key=lambda k: frozenset(model.joints[k].sides[:2]) in sides):
+            for body in self._ends(k):
+                near.setdefault(body, []).append(k)
+        return near
 
     def _note_locks(self) -> None:
         """Store for each link the friction that can lock it."""

@@ -35,8 +35,8 @@ class Push:
         The force acts on the body of b, and the opposite force on the body of a.
     turns : bool
         Whether the orientation of b matters.
-    coordinate : Coordinate, optional
-        Coordinate along which the force acts.
+    coordinate, other : Coordinate, optional
+        Coordinate along which the force acts, and a second coordinate.
     body : FlexibleBody or RigidBody, optional
         Body on which the law acts as a whole.
     follow : bool
@@ -59,6 +59,7 @@ class Push:
     b: Marker | None = None
     turns: bool = True
     coordinate: Coordinate | None = None
+    other: Coordinate | None = None
     body: MovingBody | None = None
     follow: bool = False
     active: bool = False

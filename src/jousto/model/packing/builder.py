@@ -216,6 +216,7 @@ class Builder:
             kind=push.kind,
             data=numbers_of(push),
             coordinate=-1 if push.coordinate is None else self.declared(push.coordinate),
+            other=-1 if push.other is None else self.declared(push.other),
             a=-1 if push.a is None else self.marker(push.a, True),
             b=-1 if push.b is None else self.marker(push.b, push.turns),
             body=-1 if push.body is None else self._bodies[id(push.body)],

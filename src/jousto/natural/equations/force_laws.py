@@ -163,6 +163,33 @@ def along(push: Push, frames: Frames, scalars: Scalars) -> Law:
     return apply
 
 
+def gear_spring(push: Push, frames: Frames, scalars: Scalars) -> Law:
+    """Return the law of a spring and damper between two coordinates with a gear ratio."""
+    assert push.coordinate is not None and push.other is not None
+    places = [scalars.coordinate(s) for s in (push.coordinate, push.other)]
+    k, c, ratio, free = (
+        float(np.asarray(push.data[key])) for key in ("stiffness", "damping", "ratio", "free")
+    )
+    shares = np.array([1.0, -1.0 / ratio])
+
+    def apply(now: Instant, out: Action) -> None:
+        at = np.array([scalars.number(place) for place in places])
+        e, rate = float(shares @ now.s[at]) - free, float(shares @ now.rate[at])
+        table = rise = 0.0
+        if push.spring is not None:
+            table, rise, _ = (float(x) for x in push.spring.jet(np.array(e)))
+        force = shares * (table - k * e - c * rate)
+        out.along[at] += force
+        out.felt.append(force)
+        both = np.outer(shares, shares)
+        out.slopes.append((at, (k - rise) * both, c * both))
+        out.stored += 0.5 * k * e * e
+        out.damping += c * rate * rate
+        out.work += rate * table
+
+    return apply
+
+
 def stop(push: Push, frames: Frames, scalars: Scalars) -> Law:
     """Return the law of a stop at the limits of a coordinate."""
     assert push.coordinate is not None
@@ -326,6 +353,7 @@ LAWS: dict[str, Callable[[Push, Frames, Scalars], Law]] = {
     "along": along,
     "bushing": bushing,
     "stop": stop,
+    "gear spring": gear_spring,
     "modal load": modal_load,
     "moving load": moving,
     "user": user,

@@ -121,7 +121,7 @@ def joint_markers(model: Model, joint: JointModel) -> list[int]:
 
 def force_markers(model: Model, force: ForceModel) -> list[int]:
     """Return the markers at which a force acts."""
-    along = coordinate_markers(model, force.coordinate) if force.coordinate >= 0 else ()
+    along = [m for place in force.coordinates for m in coordinate_markers(model, place)]
     return [m for m in (force.a, force.b, *along) if m >= 0]
 
 

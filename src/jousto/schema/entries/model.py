@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, Tag
 
+from jousto.mechanism.elastic_joint import ElasticJoint
 from jousto.mechanism.event import Event
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.foreign.fmu import Fmu
@@ -92,6 +93,7 @@ FORMS.update(
     }
 )
 RobotEntry: Any = alone(RobotInMechanism)
+ElasticJointEntry: Any = alone(ElasticJoint)
 ForceEntry: Any = one_of("forces", "jousto.mechanism.forces")
 
 
@@ -122,6 +124,7 @@ class ModelEntry(Entry):
     bodies: tuple[BodyEntry, ...]
     robots: tuple[RobotEntry, ...] | None = None
     joints: tuple[JointEntry, ...] | None = None
+    elastic_joints: tuple[ElasticJointEntry, ...] | None = None
     couplings: tuple[CouplerEntry, ...] | None = None
     forces: tuple[ForceEntry, ...] | None = None
     frictions: tuple[FrictionEntry, ...] | None = None

@@ -112,6 +112,7 @@ SINGULAR = {
     "events": "event",
     "fmus": "fmu",
     "robots": "robot",
+    "elastic_joints": "elastic joint",
     "sections": "section",
     "reduce": "reduction",
 }

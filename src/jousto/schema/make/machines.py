@@ -1,16 +1,19 @@
-"""Robots in model files: their construction, and the names that they add to the machine."""
+"""Robots and elastic joints in model files: construction, and the names that they add."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.errors import Problem, UnknownNameError
-from jousto.mechanism.bodies.body import FlexibleBody, ground
+from jousto.mechanism.assembly import Assembly
+from jousto.mechanism.bodies.body import FlexibleBody, RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker, marker_axes
+from jousto.mechanism.forces.base import ForceElement
+from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.sensors.base import Sensor
 from jousto.robots.build import SINGLE, by_joint, ends_of, wrong_joint, wrong_start
 from jousto.robots.in_mechanism import RobotInMechanism
@@ -19,64 +22,83 @@ from jousto.schema.make.builder import Section
 from jousto.schema.make.declared import Place
 from jousto.schema.make.quantities import build_amount
 
+PREFIX_ENDS = {"robots": "_", "elastic_joints": " "}
+"""Sections of assemblies, and the ends of the prefixes that their names make."""
+JOINED = ("bodies", "joints", "forces", "sensors")
+"""Sections to which assemblies add items."""
+
 
 class Joined(Mapping[str, Any]):
-    """Objects of a section and of robots by name; names of robot items have a prefix.
+    """Objects of a section and of assemblies by name; names of their items have a prefix.
 
     Parameters
     ----------
-    own, robots : Section
+    own : Section
+    groups : sequence of Section
+        Robots and other assemblies.
     key : str
-        The section: bodies, joints or sensors.
+        The section, one of `JOINED`.
     """
 
-    def __init__(self, own: Section, robots: Section, key: str) -> None:
-        self.own, self.robots, self.key = own, robots, key
+    def __init__(self, own: Section, groups: Sequence[Section], key: str) -> None:
+        self.own, self.groups, self.key = own, groups, key
 
-    def brought(self, robot: RobotInMechanism) -> Mapping[str, Any]:
-        """Return the items of a robot, by their names in the machine."""
-        if self.key == "sensors":
-            return {x.name: x for x in robot.items if isinstance(x, Sensor)}
-        return {x.name: x for x in getattr(robot, self.key).values()}
+    def brought(self, group: Assembly) -> Mapping[str, Any]:
+        """Return the items of an assembly, by their names in the machine."""
+        kinds: dict[str, Any] = {
+            "sensors": Sensor,
+            "forces": ForceElement,
+            "bodies": RigidBody,
+            "joints": Joint,
+        }
+        return {x.name: x for x in group.items if isinstance(x, kinds[self.key])}
 
-    def likely(self, name: str) -> Iterator[RobotInMechanism]:
-        """Yield the robots whose prefix this name begins with, longest prefix first."""
-        for i, prefix in sorted(self._prefixes(), key=lambda x: -len(x[1])):
-            if name.startswith(prefix) and i not in self.robots.open:
-                robot = self.robots.object(i)
-                if robot is not None:
-                    yield robot
+    def likely(self, name: str) -> Iterator[Any]:
+        """Yield the assemblies whose prefix this name begins with, longest prefix first."""
+        for section, i, prefix in sorted(self._prefixes(), key=lambda x: -len(x[2])):
+            if name.startswith(prefix) and i not in section.open:
+                group = section.object(i)
+                if group is not None:
+                    yield group
 
     def lost(self, name: str) -> bool:
-        """Return whether a name may belong to an item of a robot that could not be built."""
-        given = self.robots.builder.document.data.get("robots")
+        """Return whether a name may belong to an item of an assembly that could not be built."""
+        return any(self._lost(section, name) for section in self.groups)
+
+    def _lost(self, section: Section, name: str) -> bool:
+        given = section.builder.document.data.get(section.key)
         entries = given if isinstance(given, list) else []
-        places = {loc: i for i, (_, loc, _) in enumerate(self.robots.entries)}
+        places = {loc: i for i, (_, loc, _) in enumerate(section.entries)}
         for k, entry in enumerate(entries):
-            i = places.get(("robots", k), -1)
-            if i < 0 or (i in self.robots.made and self.robots.made[i] is None):
-                if name.startswith(prefix_of(entry if isinstance(entry, dict) else {})):
+            i = places.get((section.key, k), -1)
+            if i < 0 or (i in section.made and section.made[i] is None):
+                if name.startswith(prefix_of(section, entry if isinstance(entry, dict) else {})):
                     return True
         return False
 
     def opened(self, name: str) -> bool:
-        """Return whether a name may belong to an item of a robot under construction."""
-        return any(i in self.robots.open and name.startswith(p) for i, p in self._prefixes())
+        """Return whether a name may belong to an item of an assembly under construction."""
+        return any(i in section.open and name.startswith(p) for section, i, p in self._prefixes())
 
     def names(self) -> list[str]:
         """Return the names of the section, and of the frames of robots that are already built."""
-        made = [robot for robot in self.robots.made.values() if robot is not None]
-        return [*self.own, *(f"{robot.prefix}{name}" for robot in made for name in robot.frames)]
+        made = [group for section in self.groups for group in section.made.values()]
+        robots = [group for group in made if isinstance(group, RobotInMechanism)]
+        return [*self.own, *(f"{robot.prefix}{name}" for robot in robots for name in robot.frames)]
 
-    def _prefixes(self) -> list[tuple[int, str]]:
-        return [(i, prefix_of(vars(entry))) for i, (_, _, entry) in enumerate(self.robots.entries)]
+    def _prefixes(self) -> list[tuple[Section, int, str]]:
+        return [
+            (section, i, prefix_of(section, vars(entry)))
+            for section in self.groups
+            for i, (_, _, entry) in enumerate(section.entries)
+        ]
 
     def __getitem__(self, name: str) -> Any:
         """Return the object of a name; raise KeyError if there is none or it is invalid."""
         if name in self.own.places:
             return self.own[name]
-        for robot in self.likely(name):
-            found = self.brought(robot)
+        for group in self.likely(name):
+            found = self.brought(group)
             if name in found:
                 return found[name]
         raise KeyError(name)
@@ -85,14 +107,16 @@ class Joined(Mapping[str, Any]):
         """Return a named frame of a robot; None if there is no such frame."""
         for robot in self.likely(name):
             own = name.removeprefix(robot.prefix)
-            if own in robot.frames:
+            if isinstance(robot, RobotInMechanism) and own in robot.frames:
                 return Held(name, robot[own])
         return None
 
     def __iter__(self) -> Iterator[str]:
         names = [*self.own]
-        for _, robot in self.robots.all():
-            names += self.brought(robot)
+        for section in self.groups:
+            for i in range(len(section.entries)):
+                group = None if i in section.open else section.object(i)
+                names += [] if group is None else self.brought(group)
         yield from dict.fromkeys(names)
 
     def __len__(self) -> int:
@@ -104,10 +128,11 @@ class Joined(Mapping[str, Any]):
         return dict.fromkeys([*self.own.places, *self])
 
     def entry(self, name: str) -> Any:
-        """Return the entry of a name; for an item of a robot, the entry of the robot."""
+        """Return the entry of a name; for an item of an assembly, the entry of the assembly."""
         if name in self.own.places:
             return self.own.entry(name)
-        return next(self.robots.entry(robot.name) for robot in self.likely(name))
+        group = next(group for group in self.likely(name) if name in self.brought(group))
+        return next(x.entry(group.name) for x in self.groups if x.key == group.register)
 
 
 class Held:
@@ -132,12 +157,12 @@ class Held:
         return made
 
 
-def prefix_of(entry: Mapping[str, Any]) -> str:
-    """Return the prefix of the names of a robot, from its entry."""
+def prefix_of(section: Section, entry: Mapping[str, Any]) -> str:
+    """Return the prefix of the names of an assembly, from its entry."""
     prefix, name = entry.get("prefix"), entry.get("name")
     if isinstance(prefix, str):
         return prefix
-    return f"{name}_" if isinstance(name, str) else ""
+    return f"{name}{PREFIX_ENDS[section.key]}" if isinstance(name, str) else ""
 
 
 # -- fields ---------------------------------------------------------------------------------

@@ -24,7 +24,7 @@ from jousto.schema.make.builder import Builder, Section
 from jousto.schema.make.declared import build_declared, check_names
 from jousto.schema.make.elements import FORMS as OF_FORCES
 from jousto.schema.make.foreign import FORMS as OF_FMUS
-from jousto.schema.make.machines import FORMS as OF_ROBOTS, Joined
+from jousto.schema.make.machines import FORMS as OF_ROBOTS, JOINED, PREFIX_ENDS, Joined
 from jousto.schema.make.matrices import build_matrices, build_superelement, is_superelement
 from jousto.schema.make.sensors import FORMS as OF_SENSORS
 from jousto.schema.make.solid import FORMS as OF_PARTS, build_solid
@@ -34,6 +34,7 @@ LISTS = (
         "bodies",
         "robots",
         "joints",
+        "elastic_joints",
         "couplings",
         "forces",
         "frictions",
@@ -196,9 +197,8 @@ class ModelBuilder(Builder):
             known[key] = made = Section(self, key, entries, self.item)
             sections.append(made)
         named = {made.key: made for made in sections}
-        known |= {
-            key: Joined(named[key], named["robots"], key) for key in ("bodies", "joints", "sensors")
-        }
+        groups = [named[key] for key in PREFIX_ENDS]
+        known |= {key: Joined(named[key], groups, key) for key in JOINED}
         self.sensors = list(dict.fromkeys([*self.sensors, *known["sensors"]]))
         items: list[tuple[Loc, Any]] = []
         with self.catching():  # catch the warnings of all items together

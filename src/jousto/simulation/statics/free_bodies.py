@@ -91,8 +91,8 @@ def _of_force(model: Model, force: ForceModel) -> Iterator[int]:
     if force.body >= 0:
         yield force.body
     yield from (model.markers[side].body for side in (force.a, force.b) if side >= 0)
-    if force.coordinate >= 0:
-        yield from _of_coordinate(model, force.coordinate)
+    for place in force.coordinates:
+        yield from _of_coordinate(model, place)
     dead = force.kind == "load" and not force.follow
     if not (dead or force.law.between):
         yield GROUND
