@@ -151,6 +151,7 @@ class ElasticJoint(Assembly, section="elastic_joints"):
         kw_only=True,
     )
     brake: Flag = field("Whether a brake holds the rotor", default=False, kw_only=True)
+    prefix: str = kept()
     motor: Angle = kept()
     gear: GearSpring = kept()
     rotor: RigidBody = kept()
