@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 import jousto as jo
-from jousto.schema.summary import given
+from jousto.schema.summary import given, mechanism_facts
+from scene.machines import JOINTS, jointed
 
 ARM = jo.RigidBody("arm", 1.0, (0.1, 0.1, 0.1))
 HINGE = jo.Revolute("hinge", jo.ground["origin"], ARM["origin"])
@@ -38,3 +39,10 @@ ROPE = jo.BeamBody(
 )
 def test_forces_say_where_they_act_and_what_they_were_given(force: Any, said: str) -> None:
     assert given(force) == said
+
+
+def test_kinds_of_joints_are_words_of_a_file() -> None:
+    """The kind of every joint is its word in a model file, with blanks."""
+    for tag in JOINTS:
+        facts = dict(mechanism_facts(jointed(JOINTS[tag])))
+        assert facts["joint joint"].startswith(f"{tag.replace('-', ' ')}, "), tag

@@ -62,10 +62,10 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
             text = f"rigid, {body.mass:.6g} kg"
         rows.append((f"body {body.name}", text))
     for joint in mechanism.joints:
-        kind = type(joint).__name__.lower()
+        kind = joint.tag.replace("-", " ")
         rows.append((f"joint {joint.name}", f"{kind}, {joint.a.label} to {joint.b.label}"))
     for coupler in mechanism.couplings:
-        kind = type(coupler).__name__.lower()
+        kind = coupler.tag.replace("-", " ")
         rows.append((f"{kind} {coupler.name}", coupler.row_names[0]))
     for force in mechanism.forces:
         rows.append((f"{force.kind} {force.name}", given(force)))
