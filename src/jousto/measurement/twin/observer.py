@@ -51,7 +51,7 @@ class Observer:
     """Real-time estimate of modal coordinates and unknown loads of a flexible body.
 
     The state is ``x = [p p' a]`` with ``p'' + D p' + W2 p = Phi^T L a + f(motion of the frame)``
-    and loads a that are random walks; the channels are strains ``e = B p``, accelerations, and the
+    where the loads a are random walks; the channels are strains ``e = B p``, accelerations, and the
     balance of the body. The filter is linear with gains that become constant, so that a step costs
     a tenth of a millisecond. The effect of the frame motion on the modes (inertia coupling ``-M_fr
     r''`` and velocity terms ``Q_v``) is a known force, computed from the invariants of the reduced
@@ -60,8 +60,8 @@ class Observer:
     Parameters
     ----------
     reduced : ReducedPart
-        Part from `reduce`: the body floats and the loads at *all* its joints are unknown. From
-        `clamp`: it is held at a node whose motion is the reference.
+        Part from `reduce`: the body is free, with unknown loads at *all* its joints. Part from
+        `clamp`: the body is fixed at a node whose motion is the reference.
     gauges : (ng, n) array_like, sequence of gauges or Reconstruction
         Strain of each mode at each gauge.
     loads : sequence of UnknownLoad
@@ -73,39 +73,39 @@ class Observer:
     noise : float, (ng,) or (ng, ng) array_like
         Standard deviation of the gauges, m/m, or their covariance.
     reference : Reference, optional
-        Motion of the frame; at rest and without weight if not given.
+        Motion of the frame; by default at rest and without weight.
     accelerometers : sequence of Accelerometer
         Further channels, after the gauges.
     balance : Balance, optional
-        Take weight and inertia of the reference motion as a bound on the loads; for floating
-        parts with all loads on nodes.
+        Equilibrium of the loads with weight and inertia of the reference motion, as an additional
+        condition; for free parts with all loads on nodes.
     limit : float, optional
-        Modes above this frequency, Hz, follow their load statically; half the sampling rate if
-        not given.
+        Frequency, Hz, above which modes follow their load statically; by default half the sampling
+        rate.
     disturbance : float
         White modal forces besides the loads, kg^0.5 m/s^1.5.
     discrepancy, lasting : float
-        Standard deviation, m/m, and time constant, s, of what the model misses at a place and of
-        the zero of a gauge: a slow error of each gauge that no averaging removes, and of the
-        stress everywhere else. `tune` finds its size from the record.
+        Standard deviation, m/m, and time constant, s, of local errors of the model and the zero of
+        a gauge: a slow error of each gauge, and of the stress everywhere else, that averaging does
+        not remove. `tune` computes its size from the record.
     gate : float, optional
-        Samples further from the prediction than so many standard deviations are left out and
+        Number of standard deviations from the prediction beyond which samples are excluded and
         flagged.
     errors : (k, ng, n) array_like, optional
-        Standard deviation of errors of each gauge that stay through a record, per unit modal
-        coordinate, from `gauge_errors`. What they do to the estimate is followed beside the
-        filter, whose gain does not change; part of the bands of stress and damage.
+        Standard deviation of the errors of each gauge that are constant over a record, per unit
+        modal coordinate, from `gauge_errors`. Their effect on the estimate is computed beside the
+        filter, whose gain does not change, and is part of the bands of stress and damage.
 
     Raises
     ------
     InputError
-        Shapes, noise, damping that cannot be; no strain channel: loads that do not change are
-        then not seen and the estimate drifts away.
+        For impossible shapes, noise or damping, or without a strain channel: constant loads would
+        then be unobservable, so that the estimate drifts.
 
     Warns
     -----
     JoustoWarning
-        Loads that the channels cannot distinguish.
+        For loads that the channels cannot distinguish.
 
     Examples
     --------
@@ -240,7 +240,7 @@ class Observer:
         Returns
         -------
         dict of str to array
-            For `load` of an observer that was made alike; empty before the first step.
+            State for `load` of an observer with the same arguments; empty before the first step.
         """
         gain = self._gain
         if gain is None or self.time is None:
@@ -262,7 +262,7 @@ class Observer:
         Raises
         ------
         InputError
-            If it is the state of another observer; this one stays as it is.
+            If the state belongs to another observer; this one remains unchanged.
         """
         if not memory:
             self.reset()
@@ -312,13 +312,14 @@ class Observer:
         e : (ny,) array_like
             Strains of the gauges, m/m, then accelerations, m/s2; nan where nothing was measured.
         motion : tuple of three (3,) arrays, optional
-            Motion of the frame now, if not from the reference: its acceleration less gravity, w
-            and w', body frame.
+            Current motion of the frame, if not from the reference: its acceleration minus gravity,
+            w and w', body frame.
 
         Raises
         ------
         InputError
-            Time that does not increase, wrong number of channels, strains in percent or um/m.
+            If time does not increase, the number of channels is wrong, or strains are in percent or
+            um/m.
         """
         problems = Problems()
         sample = read_strain(problems, "Observer.step", e, self.names, len(self.B))
@@ -443,7 +444,7 @@ class Observer:
         Raises
         ------
         InputError
-            As `step`, for the whole record at once.
+            As for `step`, with all problems of the record.
         """
         problems = Problems()
         if e is None:

@@ -31,7 +31,7 @@ class Placement:
     Attributes
     ----------
     names : tuple of str
-        Names of the chosen candidates, the most telling first.
+        Names of the selected candidates, the most informative first.
     index : (ng,) int array
         Indices of the selected candidates.
     rows : (ng, n) array
@@ -42,8 +42,8 @@ class Placement:
         "D": ``log det(B^T Rn^-1 B + G^-1)``, larger is better; "I": root mean square of the
         standard deviation at the hot spots, Pa, smaller is better.
     history : tuple of float
-        The value with the first, the first two, .. gauges of the greedy choice, then after the
-        exchanges.
+        Value with the first gauge, the first two gauges and so on of the greedy selection, then
+        after the exchanges.
     condition : float
         Condition number of the rows.
     """
@@ -93,35 +93,35 @@ def place_gauges(
     Parameters
     ----------
     candidates : ReducedPart, (nc, n) array_like or sequence of Gauge
-        Rows of strain per mode, such as ``gauge_rows(gauges)``; a part offers its stress sites,
-        with gauges along the first axis of the site.
+        Rows of strain per mode, such as ``gauge_rows(gauges)``; for a part, its stress sites are
+        candidates, with gauges along the first axis of the site.
     count : int
         Number of gauges.
     criterion : {"D", "I"}
         Criterion, see above.
     hot : (k, n) array_like or StressModes
-        Stress of each mode where it shall be known, Pa, for "I": rows of components, or stress
-        modes, of which all components count.
+        Stress of each mode at the hot spots, Pa, for "I": rows of components, or stress modes with
+        all their components.
     noise : float or (nc,) array_like
         Standard deviation of the candidates, m/m.
     prior : float, (n,) or (n, n) array_like, optional
         Prior covariance as in `Reconstruction`.
     trajectory : (nt, n) array_like, optional
-        Modal coordinates of a run, ``run.coordinates(body)[:, 7:]``: its mean square over the
-        whole motion becomes the prior, so that modes count by how much they move. Not with `prior`.
+        Modal coordinates of a run, ``run.coordinates(body)[:, 7:]``: its mean square over the whole
+        motion becomes the prior, so that large motions have more weight. Not together with `prior`.
     names : sequence of str, optional
         Names of the candidates.
     positions : (nc, 3) array_like, optional
         Positions of candidates, m; known for a part and for gauges with a position.
     exclude : sequence of InBox, InSphere, InCylinder or tuple (point, radius)
-        Zones without gauges: welds, hot surfaces, places that nobody reaches.
+        Zones without gauges: welds, hot surfaces, inaccessible places.
     separation : float
-        Least distance between two gauges, m.
+        Smallest distance between two gauges, m.
 
     Raises
     ------
     InputError
-        What does not fit; too few candidates outside the zones.
+        For inconsistent arguments, or too few candidates outside the zones.
     """
     problems = Problems()
     where = "place_gauges"

@@ -40,11 +40,11 @@ class Estimate(Told):
     Attributes
     ----------
     residual : (nt, ng) array
-        Measured less reconstructed strain, ``e - B p``, m/m; nan where nothing was measured.
+        Measured minus reconstructed strain, ``e - B p``, m/m; nan where nothing was measured.
     leave_one_out : (nt, ng) array
-        Measured strain less its prediction by the *other* gauges, m/m; inf without one.
+        Measured strain minus its prediction by the *other* gauges, m/m; inf without a prediction.
     expected : (nt, ng) array
-        Standard deviation that `leave_one_out` has if noise and prior are right, m/m.
+        Standard deviation of `leave_one_out` for correct noise and prior, m/m.
     condition : float
         Condition number of the gauges' rows, scaled by their noise: largest over smallest
         amplification.
@@ -123,33 +123,33 @@ class Reconstruction:
     ----------
     B : (ng, n) array_like
         Strain of each mode at each gauge along its grid, m/m per unit modal coordinate:
-        ``gauge_rows(gauges, reduced)``, or ``sensor.rows`` one above the other.
+        ``gauge_rows(gauges, reduced)``, or stacked ``sensor.rows``.
     noise : float, (ng,) or (ng, ng) array_like
         Standard deviation of each gauge, m/m, or their covariance matrix.
     prior : float, (n,) or (n, n) array_like, optional
         Standard deviation of each modal coordinate, or their covariance matrix G (about zero),
-        for instance of a simulated run: ``np.cov(p.T)``. Needed if there are fewer gauges than
+        for example from a simulated run: ``np.cov(p.T)``. Needed if there are fewer gauges than
         modes.
     names : sequence of str, optional
-        Names of the gauges for messages; g1, g2, ... if not given.
+        Names of the gauges for messages; by default g1, g2, ...
     discrepancy : float
-        Standard deviation of the strain that the modes miss anywhere, m/m; part of the band of
-        the stress.
+        Standard deviation of the strain that the modes do not represent, m/m, at any place; part of
+        the band of the stress.
     errors : (k, ng, n) array_like, optional
-        Standard deviation of errors of each gauge that stay through a record, per unit modal
-        coordinate, from `gauge_errors`; part of the band of the stress.
+        Standard deviation of the errors of each gauge that are constant over a record, per unit
+        modal coordinate, from `gauge_errors`; part of the band of the stress.
 
     Raises
     ------
     InputError
-        Fewer gauges than modes without a prior, gauges that cannot distinguish the modes, noise
-        that is not positive, shapes that do not fit; all problems at once.
+        With all problems: fewer gauges than modes without a prior, gauges that cannot distinguish
+        the modes, noise that is not positive, wrong shapes.
 
     Warns
     -----
     JoustoWarning
-        Combinations of modes that the gauges do not see and only the prior decides, gauges that
-        all say the same, and a condition number that makes much of the noise.
+        For combinations of modes that only the prior determines, since no gauge responds to them;
+        for equivalent gauges; and for a condition number that amplifies the noise strongly.
 
     Examples
     --------
@@ -226,21 +226,22 @@ class Reconstruction:
         Parameters
         ----------
         e : (nt, ng) or (ng,) array_like
-            Strains, m/m; nan where a gauge is silent: that row is estimated without it.
+            Strains, m/m; nan where a gauge has no value: the instant is estimated without this
+            gauge.
         time : (nt,) array_like, optional
             Instants, s.
 
         Raises
         ------
         InputError
-            Wrong number of channels, infinite or far too large values (percent or um/m instead
-            of m/m), times that run backwards.
+            For a wrong number of channels, infinite or far too large values (percent or um/m
+            instead of m/m), or times that run backwards.
 
         Warns
         -----
         JoustoWarning
-            Rows with too few gauges left for the modes: their p is nan. Scores far above 1 of
-            most gauges, as of strains in percent.
+            For instants with too few gauges for the modes, whose p is nan, and for scores far above
+            1 of most gauges, such as for strains in percent.
         """
         problems = Problems()
         strain = read_strain(problems, "Reconstruction.estimate", e, self.names)
@@ -305,13 +306,13 @@ class Reconstruction:
         """Return the reconstruction with noise scaled to measured strains.
 
         The factor makes the leave-one-out residuals, averaged over the gauges, equal to their
-        expected size. The noise then includes model errors, and its increase is taken as the model
-        error everywhere.
+        expected size. The noise then includes model errors, and its increase is used as the model
+        error at all places.
 
         Raises
         ------
         InputError
-            As `estimate`; also if no gauge can be distinguished from the others.
+            As for `estimate`; also if no gauge can be distinguished from the others.
         """
         scaled = self
         for _ in range(20):  # fixed-point iteration: the prior does not scale with the noise
@@ -367,8 +368,8 @@ class Reconstruction:
     def _left_out(self, mask: NDArray[np.bool_], P: Array, residual: Array) -> tuple[Array, Array]:
         """Return leave-one-out residuals of the gauges and their expected size.
 
-        With ``Q = Rn^-1 - Rn^-1 B P B^T Rn^-1`` they are ``(Q e)_g / Q_gg`` with the standard
-        deviation ``Q_gg^-1/2``.
+        With ``Q = Rn^-1 - Rn^-1 B P B^T Rn^-1`` the residuals are ``(Q e)_g / Q_gg`` with the
+        standard deviation ``Q_gg^-1/2``.
         """
         if not mask.any():
             return residual, residual

@@ -33,13 +33,13 @@ def read_strain(
     Parameters
     ----------
     problems, where
-        Where to note.
+        Collector of problems, and the place in messages.
     e : array_like
-        Strains, m/m, one channel a column.
+        Strains, m/m, one column for each channel.
     names : sequence of str
         The channels.
     strains : int, optional
-        Number of leading channels that are strains; all of them if not given.
+        Number of leading channels that are strains; by default all.
     """
     if (
         isinstance(e, np.ndarray)
@@ -206,11 +206,11 @@ def gauge_errors(
     gauges : sequence of Gauge
         The ng gauges, in their order.
     factor : float
-        Relative, of each gauge for itself; what all share belongs to ``stress_band(scale=)``.
+        Relative deviation of each gauge factor; a common error belongs to ``stress_band(scale=)``.
     position : float
-        m, in each direction of the surface.
+        Deviation of the position in each direction of the surface, m.
     angle : float
-        rad, about the normal of the surface.
+        Deviation of the angle about the normal of the surface, rad.
 
     Returns
     -------

@@ -17,8 +17,8 @@ def smooth(observed: Estimates) -> Estimates:
     """Return modes and loads at every instant from the whole record.
 
     Rauch-Tung-Striebel smoother (AIAA Journal 3, 1965), backwards over a record that `Observer.run`
-    processed: no delay between loads and their effect, and narrower bands. It uses later samples,
-    so it is not for real time.
+    processed, which removes the delay between loads and their estimates, and narrows the bands. It
+    uses later samples, so it is not for real time.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def smooth(observed: Estimates) -> Estimates:
     Raises
     ------
     InputError
-        If it is smoothed already.
+        If the record is smoothed already.
     """
     if observed.smoothed:
         raise InputError(Problem("smooth", "the record is smoothed already"))

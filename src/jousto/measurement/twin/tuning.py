@@ -34,16 +34,16 @@ class InnovationTest:
     Attributes
     ----------
     size : float
-        Mean square of the independent innovations; 1 is right, more means that bands are too
-        narrow, less that they are too wide.
+        Mean square of the independent innovations: 1 for correct noise, more if bands are too
+        narrow, less if they are too wide.
     low, high : float
         95 % interval of `size` for correct noise.
     whiteness : float
-        Correlation of one innovation with the next; 0 is right.
+        Correlation of one innovation with the next; 0 for correct noise.
     limit : float
         Largest magnitude of `whiteness` that chance explains (95 %).
     channels : dict of str to float
-        Root mean square of each channel's own innovations over what is expected.
+        Root mean square of each channel's own innovations over the expected value.
     tolerance : float
         Share by which bands may be too narrow or too wide.
     """
@@ -116,9 +116,9 @@ def innovation_test(
 ) -> InnovationTest:
     """Return the test of innovations for independence and size.
 
-    Mehra, IEEE Trans. Automatic Control 15 (1970) 175: with the right noise they are white, and
-    their mean square over their own covariance is chi-squared. No model is exact, and a long record
-    proves it; therefore the verdict also depends on whether the bands are wrong by more than the
+    Mehra, IEEE Trans. Automatic Control 15 (1970) 175: with correct noise, innovations are white,
+    and their mean square over their own covariance is chi-squared. A long record shows the errors
+    of any model; therefore the verdict also depends on whether the bands are wrong by more than the
     tolerance.
 
     Parameters
@@ -126,10 +126,10 @@ def innovation_test(
     observed : Estimates
         Estimates from `Observer.run`.
     skip : int
-        Samples at the start that are left out.
+        Number of samples excluded at the start.
     tolerance : float
-        Share by which bands may be too narrow or too wide: 0.25 lets a band of 95 % hold 88 to
-        98.6 %.
+        Share by which bands may be too narrow or too wide: with 0.25, a band of 95 % may contain 88
+        to 98.6 %.
 
     Raises
     ------
@@ -183,10 +183,10 @@ def tune(observer: Observer, time: Any, e: ArrayLike, *, rounds: int = 2) -> Obs
     ----------
     observer : Observer
         Observer with start values of noise and rates, right within a factor of some hundred, and
-        the balance as it is: the loads are free to fulfil it, so that the record contains no
-        information on it.
+        the balance, which remains unchanged: unknown loads always satisfy it, so that the record
+        contains no information on its noise.
     time : (nt,) array_like
-        Instants, s; some hundred samples with typical motion.
+        Instants, s; a few hundred samples with typical motion suffice.
     e : (nt, ny) array_like
         Samples as for `Observer.run`.
     rounds : int
@@ -195,7 +195,7 @@ def tune(observer: Observer, time: Any, e: ArrayLike, *, rounds: int = 2) -> Obs
     Raises
     ------
     InputError
-        As `Observer.run`.
+        As for `Observer.run`.
     """
     found = observer
     if found.system.discrepancy <= 0.0:

@@ -30,20 +30,21 @@ FADED = 4.0
 class UnknownLoad:
     """Unknown load, a random walk that is estimated from the gauges.
 
-    Rough: ``da = -a dt / tau + rate dW`` in the axes of the body; with a `size` it returns to its
-    mean with the time constant ``tau = 2 size^2 / rate^2``, without it is a random walk. Smooth:
-    ``a'' + 2 c a' + c^2 a`` is white noise with ``c = rate / size``, so that a has the standard
-    deviation `size` and a' that of `rate`: for loads that do not jump, as of a payload that swings.
+    A rough load obeys ``da = -a dt / tau + rate dW`` in the axes of the body; with a `size` it
+    returns to its mean with the time constant ``tau = 2 size^2 / rate^2``, without a size it is a
+    random walk. For a smooth load ``a'' + 2 c a' + c^2 a`` is white noise with ``c = rate / size``,
+    so that a has the standard deviation `size` and a' the standard deviation `rate`; this suits
+    loads without jumps, such as a swinging payload.
 
     Parameters
     ----------
     place : str
-        Node where it acts, such as ``"end"``; any name if `pattern` is given.
+        Node where the load acts, such as ``"end"``; any name if `pattern` is given.
     components : sequence of str
         Some of ``fx fy fz mx my mz`` (N, N m).
     rate : float or (k,) array_like
-        Change in a second: standard deviation, N/s^0.5 or N m/s^0.5; of a smooth load
-        that of its slope, N/s or N m/s. Need not be exact, `tune` finds it from data.
+        Standard deviation of the change in a second, N/s^0.5 or N m/s^0.5; for a smooth load that
+        of its rate of change, N/s or N m/s. It need not be exact: `tune` computes it from data.
     size : float or (k,) array_like, optional
         Standard deviation about the mean in the long run, N or N m.
     mean : float or (k,) array_like
@@ -56,7 +57,7 @@ class UnknownLoad:
     Raises
     ------
     InputError
-        Unknown components or numbers that are not positive.
+        For unknown components or numbers that are not positive.
 
     Examples
     --------
@@ -125,8 +126,8 @@ class UnknownLoad:
         Raises
         ------
         InputError
-            If there is no such node, a moment acts on one that does not turn, or the pattern is of
-            another part.
+            If there is no such node, a moment acts on a node without rotations, or the pattern
+            belongs to another part.
         """
         where = f"unknown load '{self.place}'"
         if self.pattern is not None:
@@ -178,14 +179,14 @@ class System:
     loads : sequence of UnknownLoad
         Unknown loads.
     limit : float
-        Hz; modes above follow statically.
+        Frequency above which modes follow statically, Hz.
     disturbance : float
-        White modal forces besides, kg^0.5 m/s^1.5.
+        Additional white modal forces, kg^0.5 m/s^1.5.
     gauges : int
-        Number of gauges that have a discrepancy.
+        Number of gauges with a discrepancy.
     discrepancy, lasting : float
-        Standard deviation, m/m, and time constant, s, of what the model and the zero of each gauge
-        miss: ``dd = -d dt / lasting + ...``, a state for each gauge.
+        Standard deviation, m/m, and time constant, s, of the errors of the model and of the zero of
+        each gauge: ``dd = -d dt / lasting + ...``, a state for each gauge.
     """
 
     reduced: ReducedPart
@@ -302,7 +303,7 @@ class System:
     def discrete(self, dt: float) -> tuple[Array, Array, Array]:
         """Return F, Gu and Q of ``x_k+1 = F x_k + Gu f_d + w``, ``cov w = Q``, for a step, s.
 
-        Exact for forces that are constant in the step (Van Loan 1978).
+        The result is exact for forces that are constant in the step (Van Loan 1978).
         """
         key = dt = round(dt, 12)
         if key in self._discrete:
@@ -382,7 +383,7 @@ class Accelerometer:
     node : str
         Node of the part.
     direction : (3,) array_like
-        Along its axis, body frame.
+        Direction of its axis, body frame.
     noise : float
         Standard deviation, m/s2.
     """
