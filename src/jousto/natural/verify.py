@@ -302,7 +302,7 @@ def friction_not_unique(mechanism: Mechanism, model: Model) -> tuple[str, ...]:
 def of_position(row: Compared, kind: str) -> Compared:
     """Return a row without its comparison of runs, for mechanisms where only positions are unique.
 
-    It is for friction that is not unique, on which accelerations and reactions depend.
+    Used if friction, on which accelerations and reactions depend, is not unique.
     """
     row = replace(row, coarse=np.nan, fine=np.nan)
     return replace(row, unique=False) if kind in SHAKY else row

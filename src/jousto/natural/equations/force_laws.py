@@ -70,9 +70,9 @@ class Action:
     direct : array (nb, 12 + n)
         Forces on the coordinates of bodies.
     stored, damping, rubbed, work : float
-        Energy in springs, J, and the powers of dampers, of friction, and put in, W.
+        Energy in springs, J, and the powers of dampers, of friction, and of external forces, W.
     felt : list
-        Of every law what a sensor shows.
+        Sensor value of every law.
     slopes : list
         Numbers of scalar functions, or bodies (k, 2) and derivatives (k, 2, 12 + n) of others,
         with stiffness and damping (k, k) along them.

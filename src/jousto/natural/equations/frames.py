@@ -108,7 +108,7 @@ class Frames:
     def rates_at(self, v: Array) -> tuple[Array, Array]:
         """Return the rates of frame (nm, 4, 3) and modes (nm, n) of each marker's body.
 
-        Those of the ground are zero.
+        Rates of the ground are zero.
         """
         V, rate = self._at(v)
         V[self.body == len(self.bodies.mass)] = 0.0
@@ -173,8 +173,8 @@ def tangent(theta: Array) -> Array:
 def exponential(theta: Array) -> Array:
     """Return ``exp(theta~)`` and its first two derivatives in time, (3, k, 3, 3).
 
-    The exponential of the block matrix ``[[W, W', W''/2], [0, W, W'], [0, 0, W]]`` has them in its
-    first row; it is summed as a series, scaled by powers of two.
+    The exponential of the block matrix ``[[W, W', W''/2], [0, W, W'], [0, 0, W]]`` has these
+    matrices in its first row; it is summed as a series, scaled by powers of two.
 
     Parameters
     ----------

@@ -22,8 +22,8 @@ def reaction(
 ) -> Array:
     """Return force and moment (6,) of a joint on its body b, about the origin of marker b, world.
 
-    It follows from the work of ``-Cq^T lam`` on the point and axes of b, where a force f on an axis
-    e is the moment ``e x f``.
+    The reaction follows from the work of ``-Cq^T lam`` on the point and axes of b, where a force f
+    on an axis e is the moment ``e x f``.
     """
     mine = rows.of[id(joint)]
     along = -lam[mine] @ rows.F[mine]

@@ -162,7 +162,7 @@ class Machine:
     def effective(self, place: Place) -> Array:
         """Return the effective mass (m,) of each constraint, with its joint's other constraints.
 
-        It is a diagonal entry of the inverse of ``Cq M^-1 Cq^T`` of the joint.
+        The effective mass is a diagonal entry of the inverse of ``Cq M^-1 Cq^T`` of the joint.
         """
         first = self.rows.joints
         held = self.layout.constraints.bodies[:first]
