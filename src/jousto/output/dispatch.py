@@ -41,7 +41,7 @@ def call(place: str, what: str, *given: Any, **options: Any) -> Any:
     Raises
     ------
     CallError
-        If an argument is missing or unknown, with those that there are.
+        If an argument is missing or unknown; the message lists the known ones.
     """
     function = implementation(place)
     signature = inspect.signature(function)

@@ -141,7 +141,7 @@ def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
         band of a twin            stress with its band: `sites`, `truth`
         record of a monitor       stress, damage and health of channels
         result of FORM            importance of the variables, sensitivities of beta
-        sampled probability       how it settles, or the levels of a subset simulation
+        sampled probability       convergence, or the levels of a subset simulation
         linearisation check       indices by FORM beside sampled ones
         reliable design           cost over the cycles, indices beside their targets
         planar run or path        shapes with energies or load factors
@@ -151,16 +151,16 @@ def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
                                   "surface" or "parallel"
         ========================  ============================================================
     *what
-        What the table names without marks, in that order.
+        Arguments that the table names without quotes, in that order.
     path : path, optional
         File to write; the suffix chooses the format: png, svg, pdf, jpg, webp or eps.
     **options
-        What the table names in marks.
+        Arguments that the table names in quotes.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Not known to pyplot: nothing to close.
+        The figure is not registered in pyplot and need not be closed.
 
     Raises
     ------

@@ -177,8 +177,8 @@ def target(path: str | Path, formats: tuple[str, ...], *, hint: str = "") -> Pat
     Raises
     ------
     InputError
-        If the suffix is none of the formats, a folder, device or pipe stands there, or the
-        folder does not exist or is a file.
+        If the suffix is none of the formats, the path is a folder, device or pipe, or its folder
+        does not exist or is a file.
     """
     path = Path(path)
     suffix = path.suffix.lower().lstrip(".")

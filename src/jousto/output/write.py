@@ -143,9 +143,9 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
         ================  ==================  ======================================================
     path : path
     *what
-        What the table names without marks.
+        Arguments that the table names without quotes.
     **options
-        What the table names in marks.
+        Arguments that the table names in quotes.
 
     Returns
     -------

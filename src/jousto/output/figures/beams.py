@@ -44,11 +44,11 @@ def plot_section_forces(
     forces : SectionForces
         Forces as in `section_forces`.
     components : sequence of str, optional
-        Some of "N", "Qy", "Qz", "Mx", "My", "Mz"; those that are not zero if not given.
+        Some of "N", "Qy", "Qz", "Mx", "My", "Mz"; by default those that are not zero.
     times : (nt,) array_like, optional
-        Instants of the diagrams, s; the last one if not given.
+        Instants of the diagrams, s; by default the last one.
     at : float or str, optional
-        Draws the history at this length along the beam, m, or at "start" or "end", instead.
+        Position along the beam, m, or "start" or "end", for a history instead of diagrams.
     path : path, optional
         File to write; the suffix chooses the format: png, svg, pdf, jpg, webp or eps.
 
@@ -116,9 +116,9 @@ def plot_beam(
     beam : str or sequence of str
         Names of beams or of bodies made of beams.
     times : (nt,) array_like, optional
-        Instants, s; nine over the run if not given.
+        Instants, s; by default nine over the run.
     view : View, "xy", "xz" or "yz", optional
-        Direction of view; None chooses.
+        Direction of view; None: automatic.
     path : path, optional
         File to write: png, svg, pdf, jpg, webp or eps.
 
@@ -178,7 +178,7 @@ def write_beam(
     beam : str
         Name of the beam.
     times : (nt,) array_like, optional
-        Instants, s; the last one for .vtu and all stored ones for .pvd if not given.
+        Instants, s; by default the last one for .vtu and all stored ones for .pvd.
 
     Raises
     ------

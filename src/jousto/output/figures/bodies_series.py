@@ -42,9 +42,9 @@ def write_run(
     path : path
         Ends with .vtu for one instant, or .pvd for a series that ParaView plays.
     beam : str, optional
-        The surface of this exact beam alone, with the axes of its sections.
+        Name of an exact beam, to write only its surface, with the axes of its sections.
     times : (nt,) array_like, optional
-        Instants, s; the last one for .vtu and all stored ones for .pvd if not given.
+        Instants, s; by default the last one for .vtu and all stored ones for .pvd.
     scale : float
         Factor on the deformation of modal bodies.
 

@@ -207,7 +207,7 @@ def plot_hysteresis(
     Raises
     ------
     InputError
-        For a bad history or rule, an unknown suffix or an unwritable path.
+        For an invalid history or rule, an unknown suffix or an unwritable path.
     """
     from jousto.fatigue.local.strain_life import local_path
 

@@ -54,14 +54,15 @@ def plot_run(run: Solution | Mapping[str, Solution], *names: str) -> Picture:
         the same colour in all of them, a run the same kind of line in all components.
     *names : str
         A sensor ``"middle"``, one component ``"middle.y"`` or ``"middle:y"``, ``"energy"`` for the
-        energy balance or ``"residuals"`` for those of the constraints. None for all sensors.
+        energy balance or ``"residuals"`` for the residuals of the constraints. None for all
+        sensors.
     path : path, optional
         File to write; the suffix chooses the format: png, svg, pdf, jpg, webp or eps.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Not known to pyplot: nothing to close.
+        The figure is not registered in pyplot and need not be closed.
 
     Raises
     ------

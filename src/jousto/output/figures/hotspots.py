@@ -68,7 +68,8 @@ def plot_hotspots(
 def write_hotspots(found: HotSpots, path: str | Path, run: Solution) -> Path:
     """Write largest value, its time and hot-spot rank at every node for ParaView.
 
-    One file holds all bodies, each undeformed in its own frame; the field ``body`` counts them.
+    One file contains all bodies, each undeformed in its own frame; the field ``body`` is the number
+    of the body.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ def plot_gauges(comparison: GaugeComparison) -> Picture:
     Raises
     ------
     InputError
-        For an unknown suffix or an unwritable path, or more pairs than a picture has at most.
+        For an unknown suffix or an unwritable path, or too many pairs for one picture.
     """
     pairs = comparison.pairs
     if len(pairs) > PANELS:
@@ -84,9 +84,9 @@ def plot_band(
     band : Band
         Result of `stress_band`.
     sites : sequence of str, optional
-        Places, six at most; the first ones if not given.
+        Places, six at most; by default the first ones.
     truth : (nt, ns) array_like, optional
-        Stress of the same places from elsewhere, Pa: measured there, or simulated.
+        True stress of the same places for comparison, Pa, measured or simulated.
     path : path, optional
         File to write; the suffix chooses the format.
 

@@ -58,7 +58,7 @@ def plot_modes(
     Raises
     ------
     InputError
-        For a mode that there is not, a scale that is no positive number, an unknown view or
+        For an unknown mode, a scale that is not positive, an unknown view or
         suffix, or an unwritable path.
     """
     problems, count = Problems(), len(data.frequencies)

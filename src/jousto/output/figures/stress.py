@@ -77,9 +77,9 @@ def write_stress(
     criterion : str or Plane
         Criterion, see `jousto.recovery.fields.criteria.evaluate`.
     time : float, optional
-        The instant, s; the envelope over all instants if not given.
+        The instant, s; by default the envelope over all instants.
     histories : bool
-        One row for each instant and one column for each place instead.
+        Whether to write one row for each instant and one column for each place instead.
 
     Raises
     ------

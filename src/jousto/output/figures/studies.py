@@ -37,19 +37,20 @@ def plot_study(
     table : StudyTable
         Table from ``study.run``.
     *names : str
-        Columns; all of them if none is named. Of a surface two parameters and an outcome.
+        Names of columns, by default all; for a surface, two parameters and an outcome.
     kind : {"lines", "scatter", "surface", "parallel"}, optional
-        Outcomes over parameters, a line for each value of the second one; columns against each
-        other; an outcome over two parameters; all columns side by side, a line for each point,
-        coloured by the last. Not given, lines of one parameter, and of two if one has few values;
-        else scatter.
+        "lines": outcomes over a parameter, with a line for each value of a second one; "scatter":
+        columns over each other; "surface": an outcome over two parameters; "parallel": all columns
+        side by side, with a line for each point, coloured by the last column. Default: lines for
+        one parameter, or for two if one has few values; else scatter.
     path : path, optional
         File to write; the suffix chooses the format.
 
     Raises
     ------
     InputError
-        For unknown columns or kinds, a surface without two parameters that vary, no good point.
+        For unknown columns or kinds, a surface without two varying parameters, or if all points
+        failed.
     """
     for name in names:
         table[name]

@@ -39,7 +39,7 @@ def write_contour(
     Parameters
     ----------
     field : StressField
-        Stress field of all places of a body, or some of them; the others are nan.
+        Stress field of all or some places of a body; values at the other places are nan.
     path : path
         Ends with .vtu, or .pvd for a series.
     run : Solution
@@ -47,7 +47,7 @@ def write_contour(
     criterion : str or Plane
         Criterion, see `jousto.recovery.fields.criteria.evaluate`.
     times : (nt,) array_like, optional
-        Instants, s; of a .pvd file all of the field if not given.
+        Instants, s; by default, for a .pvd file, all instants of the field.
     scale : float
         Factor on the deformation.
 

@@ -26,8 +26,8 @@ def exposed_nodes(
     ----------
     reduced : ReducedPart
     nodes : sequence of str or int, optional
-        Node sets or node numbers from 0. If not given all nodes, or, of parts with many, those
-        of interfaces and of sets of one node that have a name of their own.
+        Node sets or node numbers from 0. By default all nodes; for parts with many nodes, those of
+        interfaces and of named sets of a single node.
     where : str
         Name in messages.
 
@@ -106,7 +106,7 @@ def write_text(path: Path, text: str) -> None:
     Raises
     ------
     InputError
-        If it cannot be written there.
+        If the file cannot be written.
     """
     with written(path) as beside:
         beside.write_text(text, encoding="ascii", errors="replace")

@@ -63,8 +63,9 @@ def write_deck(
     """Write a part with all loads on its body at some instants, a static load step for each.
 
     The deck contains mesh (node and element numbers of its file, m), materials, rigid interfaces,
-    nodal forces (N) and six supports that bear nothing: loads at interfaces and nodes, and the
-    exact inertia forces, weight and damping as ``-M z''`` on every node (`nodal_forces`).
+    nodal forces (N) and six supports without reactions. The forces are the loads at interfaces and
+    nodes, and the exact inertia forces, weight and damping as ``-M z''`` on every node
+    (`nodal_forces`).
 
     Parameters
     ----------
@@ -73,16 +74,16 @@ def write_deck(
     path : path
         File, overwritten: .inp (CalculiX, Abaqus), .bdf or .nas (Nastran).
     part : Part
-        Part of solids from which the body was reduced; of a rigid body a part in its frame.
+        Part of solids from which the body was reduced; for a rigid body, a part in its frame.
     times : sequence of float, optional
-        Stored instants, s; all if not given.
+        Stored instants, s; by default all.
     program : {"calculix", "abaqus", "nastran"}
-        Dialect; of an .inp file CalculiX if not given.
+        Program that reads the file; by default CalculiX for .inp.
 
     Raises
     ------
     InputError
-        For another ending or program, a material that is not isotropic, and see `nodal_forces`.
+        For another ending or program, or a material that is not isotropic; see also `nodal_forces`.
 
     Warns
     -----

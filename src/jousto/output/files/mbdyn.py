@@ -28,20 +28,20 @@ def write_fem(
     the rigid body about its centre; 13 the modal damping; 14 to 18 the invariants
     ``int phi_j dm``, ``int u0~ phi_j dm``, ``-int u0~ phi_j~ dm``, ``int phi_j~ phi_k dm`` and
     ``int phi_j~ phi_k~ dm`` (MBDyn input manual, modal joint). Names of nodes are those of node
-    sets; the modal node is the part's frame. Stiffening is left out.
+    sets; the modal node is the part's frame. Stiffening is not included.
 
     Parameters
     ----------
     reduced : ReducedPart
     path : str or Path
     nodes : sequence of str or int, optional
-        Node sets or node numbers from 0; all of parts with up to 500 nodes, else those of
-        interfaces and of named nodes.
+        Node sets or node numbers from 0; by default all for parts with up to 500 nodes, else those
+        of interfaces and of named nodes.
     damping : float or sequence of float
         Damping ratio, of all modes or of each.
     invariants : bool
-        Whether records 14 to 18 are written; MBDyn reads them from 1.7.3 on, older ones neglect
-        the coupling of rigid motion and modes without record 11.
+        Whether records 14 to 18 are written; MBDyn reads them from version 1.7.3 on; without record
+        11, older versions neglect the coupling of rigid motion and modes.
 
     Returns
     -------

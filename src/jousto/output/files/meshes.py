@@ -29,7 +29,7 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
     path : path
         File; its suffix selects the format: .vtu (ParaView; sets are data of points and cells),
         .vtk, .inp (Abaqus, CalculiX; sets keep their names), .msh (Gmsh 2.2), .med, .bdf, .nas, or
-        .stl for the surface alone. The last ones keep no sets.
+        .stl for the surface alone. Only .vtu and .inp keep sets.
     unit : str
         Unit of length in the file; positions have eleven digits.
 

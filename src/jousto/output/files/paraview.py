@@ -43,7 +43,7 @@ def save_series(
     Raises
     ------
     InputError
-        If several instants shall go into a .vtu file.
+        For several instants in a .vtu file.
     """
     single = path.suffix == ".vtu"
     if single and len(instants) != 1:

@@ -79,8 +79,8 @@ def write_sid(
     reduced : ReducedPart
     path : str or Path
     nodes : sequence of str or int, optional
-        Node sets or node numbers from 0; all of parts with up to 500 nodes, else those of
-        interfaces and of named nodes. They are numbered from 1, with their names behind "!".
+        Node sets or node numbers from 0; by default all for parts with up to 500 nodes, else those
+        of interfaces and of named nodes. They are numbered from 1, with their names behind "!".
     damping : float or sequence of float
         Damping ratio, of all modes or of each.
 

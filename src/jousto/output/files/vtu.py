@@ -32,7 +32,7 @@ def write_vtu(reduced: ReducedPart, path: str | Path, *, stress: bool = True) ->
     Each mode is a vector field of the points (mass-normalised, kg^-0.5): "Warp By Vector" shows its
     shape. Parts with stress at their nodes get a symmetric tensor field for each mode, Pa per unit
     modal coordinate, part frame, in ParaView's order xx yy zz xy yz xz. A node with several stress
-    values, as on the border of two materials, gets their mean.
+    values, as on the border of two materials, has their mean.
 
     Parameters
     ----------

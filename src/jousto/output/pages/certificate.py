@@ -50,7 +50,7 @@ def write_certificate(certificate: Certificate, path: str | Path) -> Path:
     Raises
     ------
     InputError
-        Another ending, a folder that does not exist, or a file that cannot be written.
+        For another ending, a folder that does not exist, or a file that cannot be written.
     """
     return write_page(page(certificate), path)
 

@@ -52,7 +52,7 @@ def write_page(text: str, path: str | Path) -> Path:
     Raises
     ------
     InputError
-        Another ending, a folder that does not exist, or a file that cannot be written.
+        For another ending, a folder that does not exist, or a file that cannot be written.
     """
     path = target(path, ("html", "htm"), hint="; print it to PDF in a browser")
     with written(path) as beside:

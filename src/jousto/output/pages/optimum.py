@@ -31,7 +31,7 @@ def write_optimum(found: Optimum | Comparison, path: str | Path) -> Path:
     Raises
     ------
     InputError
-        Another ending, a folder that does not exist, or a file that cannot be written.
+        For another ending, a folder that does not exist, or a file that cannot be written.
     """
     return write_page(page(found), path)
 

@@ -61,25 +61,25 @@ def animate(
     run : Solution
         The results.
     path : path, optional
-        File to write: .gif, .mp4 (needs ffmpeg), .html (a page with a player), or a picture
-        (.png, .svg, .pdf ...), see `still`. None is the mechanism's name as .gif, in the working
-        folder.
+        File to write: .gif, .mp4 (needs ffmpeg), .html (a page with a player), or a picture (.png,
+        .svg, .pdf ...), see `still`. None: the mechanism's name with the suffix .gif, in the
+        working folder.
     fps : float
         Frames per second.
     speed : float
-        Simulated per shown second; 0.1 is ten times slow motion.
+        Simulated seconds per second of the film; 0.1 is ten times slow motion.
     scale : float
-        Factor on the deformation of each body in its own moving frame. Other than 1, it also moves
-        the ends of the bodies, so that joints no longer close in the picture.
+        Factor on the deformation of each body in its own moving frame. A factor other than 1 also
+        moves the ends of the bodies, so that joints no longer close in the picture.
     view : View, "xy", "xz" or "yz", optional
-        Direction of view; None takes the plane of a plane motion, else from the front and above.
+        Direction of view; None: the plane of a plane motion, else from the front and above.
     trail : str or sequence of str, optional
         Position sensors that leave a trail.
     stills : int or (k,) array_like
         Number of instants, or instants in s, for a picture.
     stress : bool or float
-        Whether solids are coloured by their von Mises stress; a number is the stress of the
-        highest colour in Pa, which else is the largest that is shown.
+        Whether solids are coloured by their von Mises stress; a number is the stress of the highest
+        colour, Pa; by default it is the largest stress in the film.
     progress : function, optional
         Called with the number of frames done and their total.
 
@@ -96,7 +96,7 @@ def animate(
     Warns
     -----
     JoustoWarning
-        If the film would have too many frames for its format; it is then made faster.
+        If the film would have too many frames for its format; its speed is then raised.
     """
     out = target(f"{file_name(run.name)}.gif" if path is None else path, FILMS + PICTURES)
     suffix = out.suffix.lower().lstrip(".")

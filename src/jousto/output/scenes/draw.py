@@ -55,8 +55,8 @@ GHOST = 0.35 * METAL + 0.65  # colour of the undeformed shape under a mode
 class Subject:
     """Body to draw: vertex positions, faces with edges (nf, k), named nodes.
 
-    `nodes` (nn, 3) are those of faces and names, `size` (3,) is the body's without a mode, `still`
-    are the vertices of the undeformed body.
+    `nodes` (nn, 3) are the nodes of faces and names, `size` (3,) is the size of the undeformed
+    body, `still` are its vertices.
     """
 
     title: str
@@ -92,15 +92,15 @@ def draw(
     path : path
         File to write: png, svg, pdf, jpg, webp or eps.
     sets : sequence of str, optional
-        Node sets that get coloured dots; None takes those that interfaces of a part hold, and no
-        set of a mesh.
+        Node sets that get coloured dots; None: the sets of the interfaces of a part, and no set of
+        a mesh.
     mode : int, optional
-        Index of the mode of a ReducedPart from 0; the title counts from 1. Under it is the
-        undeformed shape, pale.
+        Index of the mode of a ReducedPart from 0; the title counts from 1. The undeformed shape is
+        drawn pale below it.
     scale : float
         Largest displacement of the mode in the picture, by the longest side of the part.
     view : View, "xy", "xz" or "yz", optional
-        Direction of view; None looks from the front right and above.
+        Direction of view; None: from the front right and above.
 
     Returns
     -------

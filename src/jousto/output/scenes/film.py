@@ -37,7 +37,7 @@ def write_film(path: Path, frames: Iterable[Pixels], count: int, fps: float) -> 
     Raises
     ------
     InputError
-        If the file cannot be written, or there is no ffmpeg for an MP4.
+        If the file cannot be written, or ffmpeg is missing for an MP4.
     """
     suffix = path.suffix.lower()
     with written(path) as beside:
@@ -117,7 +117,7 @@ def find_ffmpeg(path: Path) -> str:
     Raises
     ------
     InputError
-        If there is none.
+        If ffmpeg is missing.
     """
     found = shutil.which("ffmpeg")
     if found is None:

@@ -78,7 +78,7 @@ class Stage:
     corners : (2, 3) array
         Opposite corners of the box around everything in the world frame, m.
     level, step : float
-        Height and spacing of the grid on the floor, m; there is none in a plane view.
+        Height and spacing of the grid on the floor, m; 0 in a plane view.
     grid : tuple of (2, 2) arrays
         Projected lines of the floor grid, m.
     limit : float
@@ -227,8 +227,8 @@ def make_stage(
     Raises
     ------
     InputError
-        If there is nothing to draw, a trail is not of a position sensor, the scale is not a number,
-        or no body has the stress to be shown.
+        If there is nothing to draw, a trail does not belong to a position sensor, the scale is not
+        a number, or no body has stress data for the colours.
     """
     problems = Problems()
     problems.positive("animate", "scale", float(scale), "")

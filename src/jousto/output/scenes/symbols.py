@@ -126,9 +126,9 @@ class SymbolPen:
     size : float
         Size of a symbol, m.
     share : float
-        Below 1 mixes the colours with white.
+        Share of the colours; below 1 they are mixed with white.
     order : float
-        Above which other things of the picture they lie.
+        Drawing order: symbols are above objects of lower order.
     """
 
     def __init__(

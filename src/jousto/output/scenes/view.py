@@ -103,7 +103,7 @@ def choose_view(view: View | str | None, points: Array, gravity: ArrayLike | Non
     points : (k, 3) array
         Positions that are in the picture, m.
     gravity : (3,) array or None
-        Gravity; its opposite is up. Without it y is up in the xy plane, else z.
+        Gravity; its opposite is up. Without gravity, y is up in the xy plane, and z in other views.
 
     Raises
     ------
