@@ -364,7 +364,7 @@ class Elimination:
     def inertia_tangents(self, q: Array, v: Array, a: Array, M: Array) -> tuple[Array, Array]:
         """Return ``K_acc = B^T M B2 + Kg(M u'')`` and ``C_acc = 2 B^T M B1``, eq. 13.
 
-        They are the derivatives of ``M_m a + F_cent`` by q and v, and not symmetric.
+        These are the derivatives of ``M_m a + F_cent`` by q and v, and not symmetric.
         """
         s = self.slaves(q, v, a)
         MB = M @ s.B

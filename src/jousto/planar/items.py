@@ -81,8 +81,8 @@ class PlanarSection(Declared, by_value=True):
     def limit(self) -> float:
         """Largest stable axial force, N: ``GA / (1 - GA / EA)``; infinite for GA >= EA.
 
-        Above it a stretched beam reduces its energy by a rotation of its cross sections. This
-        tension-shear instability is a property of the linear law, not of real materials.
+        Above this limit a stretched beam reduces its energy by a rotation of its cross sections.
+        This tension-shear instability is a property of the linear law, not of real materials.
         """
         return math.inf if self.GA >= self.EA else self.GA / (1.0 - self.GA / self.EA)
 
@@ -216,10 +216,10 @@ class FunctionLink:
     nodes, masters : tuple of nodes
         Each with x, y, rotation, in this order.
     function : function
-        Function of ``[x, y, rotation of the masters ..., own coordinates ...]`` that returns the
-        displacements of the nodes (3 nodes,), written with NumPy; derivatives are exact.
+        Function of ``[x, y, rotation of the masters ..., further coordinates ...]`` that returns
+        the displacements of the nodes (3 nodes,), written with NumPy; derivatives are exact.
     coordinates : tuple of str
-        Names of own coordinates, such as the displacement of a slider; initial value zero.
+        Names of further coordinates, such as the displacement of a slider; initial value zero.
 
     Examples
     --------
