@@ -130,7 +130,8 @@ def error_budget(
         Rank of the hot spot, from 1.
     step, modes, mesh : Solution or StressField, optional
         Run (or its field of the body) with a shorter step, with more modes (or with residual
-        stress), or with a finer mesh, of which the nearest site is compared; all else unchanged.
+        stress), or with a finer mesh, where the nearest site is compared; everything else
+        unchanged.
     part : (Part, ReducedPart), optional
         Part of the body, for the error of the mesh, if the run does not contain it.
 

@@ -117,7 +117,7 @@ class FrictionStress:
     def peaks(self, count: int = 10) -> tuple[Transition, ...]:
         """Return the transitions with the largest changes of the stress, in descending order.
 
-        Equal ones, such as those of a periodic motion, are in the order of time.
+        Transitions with equal changes, as in a periodic motion, are in the order of time.
         """
         order = ranking([np.nan_to_num(t.jump) for t in self.transitions])[:count]
         return tuple(self.transitions[i] for i in order)

@@ -33,7 +33,7 @@ def bracket_instants(time: Array, times: ArrayLike, where: str) -> tuple[Index, 
     Raises
     ------
     InputError
-        If there is no time, or one is outside the run or not a number.
+        If there are no times, or a time is outside the run or not a number.
     """
     wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if not wanted.size:

@@ -41,7 +41,7 @@ def model_of_run(run: Solution, given: Model | None, where: str) -> Model:
     Raises
     ------
     InputError
-        If it is not known, or the given one is another: see `check_model`.
+        If the model is unknown, or the given one differs: see `check_model`.
     """
     model = run.model if given is None else given
     if model is None:
@@ -57,21 +57,21 @@ def model_of_run(run: Solution, given: Model | None, where: str) -> Model:
 def check_model(run: Solution, model: Model, where: str) -> None:
     """Raise an error for a model that is not the one of the run.
 
-    Bodies, modes, joints and internal states must be the same, gravity and total mass, too. The
-    model is then put into the state of several stored instants: its energies, reactions and
-    sensors there must be the stored ones.
+    Bodies, modes, joints, internal states, gravity and total mass must be equal. The model is then
+    set to the states of several stored instants, at which its energies, reactions and sensors must
+    equal the stored ones.
 
     Raises
     ------
     InputError
-        With everything that differs, by name.
+        With all differences by name.
 
     Warns
     -----
     JoustoWarning
-        If its accelerations are not the changes of the stored velocities, where these resolve the
-        motion: a force along a free direction changes neither energies nor reactions. Not tested
-        with springs, friction, controllers and exact beams, whose vibrations may be too fast.
+        If its accelerations contradict the stored velocities, where these resolve the motion; a
+        force along a free direction would change neither energies nor reactions. Not tested with
+        springs, friction, controllers and exact beams, whose vibrations may be too fast.
     """
     if model is run.model:
         return
@@ -209,8 +209,9 @@ def _without_events(run: Solution, instants: list[int]) -> Ints:
 def _other_accelerations(run: Solution, model: Model) -> Iterator[str]:
     """Yield accelerations that contradict the stored velocities, where these resolve them.
 
-    Simpson's rule over three instants, its error estimated by the trapezoidal rule. Three
-    quarters of the tested places must deviate: at a few of them there may be impacts.
+    The check uses Simpson's rule over three instants, with an error estimate by the trapezoidal
+    rule. Three quarters of the tested places must deviate, since impacts may occur at a few of
+    them.
     """
     # exact beams, springs, friction, controllers: vibrations may be faster than the instants
     fast = any(force.states or force.function for force in model.forces)

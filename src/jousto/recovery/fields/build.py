@@ -67,8 +67,8 @@ def stress_field(
         Whether to return strain ``[e11 e22 e33 g12 g23 g13]`` instead of stress.
     residual : bool or Model
         Whether to add the stress that the modes neglect (mode acceleration), for a part reduced
-        with ``residual_stress=``. It is that of the accelerations of the run, computed by the
-        engine from the model, or for True by differences of the stored velocities.
+        with ``residual_stress=``. It follows from the accelerations of the run, which the engine
+        computes from the model, or, for True, from differences of the stored velocities.
     loads : mapping of str to (nt,) array, number or str
         With `residual`: history of each named load over the run, or the name of its sensor.
 
@@ -159,8 +159,8 @@ def field_from(
     name : str
         Name of the body.
     columns : (ns,) int array, optional
-        Index of the first coordinate of each site, if a site depends on some of them, as many as
-        `modes` has.
+        Index of the first coordinate of each site, if a site depends only on some coordinates, as
+        many as `modes` has.
     v : (nt, n) array_like, optional
         Rates of the coordinates, 1/s, for the bounds of `hot_spots` between the instants.
 

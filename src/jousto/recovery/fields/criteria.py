@@ -44,7 +44,7 @@ class Plane:
     Raises
     ------
     InputError
-        If it is not three finite numbers, or zero.
+        If the normal is not three finite numbers, or zero.
 
     Examples
     --------

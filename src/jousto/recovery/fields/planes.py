@@ -96,7 +96,7 @@ def critical_plane(
     Raises
     ------
     InputError
-        If `by` is neither of them.
+        If `by` is unknown.
 
     Examples
     --------

@@ -160,10 +160,10 @@ def hot_spots(
         largest value, the second the largest of the sites further away than this, and so on.
         Among sites of equal values up to round-off (1e-9) the first label is taken.
     start, end : float, optional
-        First and last instant, s; None takes all stored ones.
+        First and last instant, s; None: all stored instants.
     extreme : "largest", "smallest" or "magnitude", optional
-        Extreme of the search. None is the largest von Mises, shear and first principal stress, the
-        smallest third principal stress, and the largest magnitude of all others.
+        Extreme of the search. None: the largest von Mises, shear and first principal stress, the
+        smallest third principal stress, and the largest magnitude of all other criteria.
 
     Returns
     -------

@@ -101,8 +101,8 @@ def measure(criterion: Criterion, extreme: str | None = None, *, strain: bool = 
     criterion : str or Plane
         See `evaluate`.
     extreme : "largest", "smallest", "magnitude" or None
-        Extreme of the search. None is the largest von Mises, shear and first principal stress, the
-        smallest third principal stress, and the largest magnitude of all others.
+        Extreme of the search. None: the largest von Mises, shear and first principal stress, the
+        smallest third principal stress, and the largest magnitude of all other criteria.
     strain : bool
         Whether components are strains, with engineering shears.
 
@@ -165,7 +165,7 @@ def tensor_rows(strain: bool) -> Array:
 def mises_rows(strain: bool) -> Array:
     """Return G (5, 6) such that ``|G s|`` is the equivalent (von Mises) stress, ``G^T G = V``.
 
-    For strains it is ``sqrt(2/3 e:e)`` with the deviator e.
+    For strains the equivalent strain is ``sqrt(2/3 e:e)`` with the deviator e.
     """
     V = np.diag([1.5, 1.5, 1.5, 3.0, 3.0, 3.0])
     V[:3, :3] -= 0.5

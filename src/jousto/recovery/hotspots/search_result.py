@@ -108,8 +108,8 @@ class Found:
     def bound(self) -> float:
         """Upper bound of the ranked value at all sites except hot spots and their neighbours.
 
-        The ranked value of a search for the smallest values is minus the value. It is -inf if
-        there are no other sites.
+        In a search for the smallest values, the ranked value is minus the value. The bound is -inf
+        if there are no other sites.
         """
         return max((c.bound for c in self.certificates.values()), default=-np.inf)
 
@@ -117,7 +117,8 @@ class Found:
     def bound_between(self) -> float:
         """Upper bound of the ranked value at all sites between stored instants; nan if unknown.
 
-        It is valid for a motion that is smooth from one stored instant to the next, see `between`.
+        The bound is valid for a motion that is smooth from one stored instant to the next, see
+        `between`.
         """
         known = [gap.bound for gap in self.gaps.values() if gap is not None]
         return max(known) if known and len(known) == len(self.gaps) else np.nan

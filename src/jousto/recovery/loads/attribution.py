@@ -21,7 +21,7 @@ class Source:
     ----------
     name, kind : str
     rows : tuple of int
-        Its rows among the loads of the engine (`Engine.body_loads`), to be added.
+        Indices of its rows in the loads of the engine (`Engine.body_loads`), which are added.
     markers : tuple of MarkerModel
         Different places on the body at which it acts; empty if it acts on the whole body.
     """

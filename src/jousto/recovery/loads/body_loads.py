@@ -38,7 +38,8 @@ class BodyLoad:
     name, kind : str
         Name of the joint, coupling, force or friction, or of the kind for the body's own loads.
     point : (nt, 3) array
-        Where it acts, from the origin of the body frame, m; the centre of mass if distributed.
+        Point of action relative to the origin of the body frame, m; the centre of mass for
+        distributed loads.
     force, moment : (nt, 3) array
         Force, N, and moment about the point, N m.
     modal : (nt, n) array
@@ -177,7 +178,7 @@ class BodyLoads(Mapping[str, BodyLoad]):
         Raises
         ------
         InputError
-            For a kind that none of the loads has, with the nearest one.
+            For a kind without loads; the message contains the nearest kind.
         """
         known, problems = {load.kind: None for load in self.loads}, Problems()
         for kind in kinds:
@@ -201,8 +202,8 @@ class BodyLoads(Mapping[str, BodyLoad]):
 
         The norm of the sum over the sum of the norms, with the largest value of the run as its
         scale. The scale of moments contains all forces at the radius of the body, that of modal
-        forces all forces at the largest displacement in a mode; what is below the rounding error of
-        the machine counts as 0.
+        forces all forces at the largest displacement in a mode; values below the rounding error of
+        the machine count as 0.
         """
         norms = sum(group_norms(self._about_center(load)) for load in self.loads)
         force, moment, modal = np.max(np.asarray(norms), axis=0, initial=0.0)
@@ -223,7 +224,7 @@ class BodyLoads(Mapping[str, BodyLoad]):
         Raises
         ------
         InputError
-            For another word.
+            For an unknown frame.
         """
         if frame not in FRAMES:
             message = f"frame is {frame!r}, must be 'body' or 'world'"
@@ -343,7 +344,7 @@ class BodyLoads(Mapping[str, BodyLoad]):
         path : path
             File that ends with .csv.
         times : sequence of float, optional
-            Instants, s; all if not given.
+            Instants, s; by default all.
 
         Raises
         ------

@@ -36,7 +36,7 @@ def loads_of(
 
     The accelerations and multipliers at each stored state are those of the engine. Every force,
     joint and friction of the model is evaluated by itself; gravity, inertia and elastic forces
-    follow from the inertia invariants of the body. All together are in balance (d'Alembert;
+    follow from the inertia invariants of the body. The sum of all loads vanishes (d'Alembert;
     Altarriba 2010, eq. 96-98): ``Q_joint + Q_applied + Q_friction + Q_gravity + Q_inertia +
     Q_elastic = 0`` for force, moment and each mode. Runs in joint coordinates have the same loads.
 
@@ -47,17 +47,17 @@ def loads_of(
     body : str
         Name of a rigid or flexible body.
     times : (nt,) array_like, optional
-        Instants within the run, s, between stored ones interpolated linearly; None takes all
-        stored instants.
+        Instants within the run, s, with linear interpolation between stored ones; None: all stored
+        instants.
     model : Model, optional
-        Model of the run; needed for results from a file. None takes that of the run. It must
+        Model of the run; needed for results from a file. None: the model of the run. It must
         reproduce gravity, masses, energies, reactions and sensors of the results.
 
     Raises
     ------
     InputError
-        No such body, an exact beam, no model or that of another machine, a time outside of the run,
-        or loads that are not in balance: their unbalanced part is above 1e-4.
+        For an unknown body or an exact beam, a missing model or that of another machine, a time
+        outside of the run, or loads whose unbalanced part is above 1e-4.
 
     Warns
     -----
@@ -150,7 +150,7 @@ def model_of(run: Solution, body: str, given: Model | None) -> Model:
     Raises
     ------
     InputError
-        If it is not known or another one, or the body does not exist or is an exact beam.
+        If the model is unknown or another one, or the body does not exist or is an exact beam.
     """
     where = f"loads on '{body}'"
     beams = {shape.name: shape for shape in run.beams}

@@ -33,11 +33,12 @@ class NodalForces:
     forces : (nt, nn, 3) array
         Forces on the nodes, part frame, N.
     relief : (nt,) array
-        Resultant that a rigid acceleration of the part takes up (inertia relief), relative to all
-        loads: loads act on the deformed body, statics refer to the undeformed one.
+        Resultant that a rigid acceleration of the part balances (inertia relief), relative to all
+        loads; it is not zero since loads act on the deformed body, while statics refer to the
+        undeformed one.
     held : (6,) int array
-        Degrees of freedom (3 node + direction) whose supports are statically determinate and bear
-        nothing.
+        Degrees of freedom (3 node + direction) whose supports are statically determinate and
+        without reactions.
     """
 
     part: Part
@@ -52,7 +53,7 @@ def nodal_forces(loads: BodyLoads, part: Part, times: list[float] | None = None)
 
     Loads at interfaces become nodal forces through the interface: the transpose of its average.
     Inertia, Coriolis and centrifugal forces and the weight are ``-M z''`` with the mass matrix of
-    the part and the acceleration of each node less gravity, ``z'' = R'' - g + w' x u + w x (w x u)
+    the part and the acceleration of each node minus gravity, ``z'' = R'' - g + w' x u + w x (w x u)
     + 2 w x u' + Phi p''``, ``u = x + Phi p``. Modal damping is the distributed force ``M [R Phi]
     c`` with the modal forces ``-D p'`` and without resultant.
 
@@ -60,9 +61,9 @@ def nodal_forces(loads: BodyLoads, part: Part, times: list[float] | None = None)
     ----------
     loads : BodyLoads
     part : Part
-        Part of solids from which the body was reduced; of a rigid body a part in its frame.
+        Part of solids from which the body was reduced; for a rigid body, a part in its frame.
     times : list of float, optional
-        Stored instants, s; all if not given.
+        Stored instants, s; by default all.
 
     Raises
     ------
@@ -218,8 +219,8 @@ def _judge(where: str, part: Part, relief: Array) -> None:
 def determinate_supports(part: Part) -> Ints:
     """Return six degrees of freedom that support a part without constraint.
 
-    They are those with the most independent rigid motions, on nodes outside of rigid interfaces,
-    whose nodes other programs tie.
+    They are selected for the most independent rigid motions, on nodes outside of rigid interfaces,
+    since other programs tie the nodes of these.
     """
     tied = [tie.dofs for tie in part.ties if tie.kind == "rigid"]
     free = np.setdiff1d(np.arange(3 * len(part.nodes)), np.concatenate([[], *tied]).astype(int))
