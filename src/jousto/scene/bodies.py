@@ -54,7 +54,7 @@ def _at_nodes(
 ) -> tuple[Array | None, NDArray[np.bool_] | None]:
     """Return the stress (n, nv, 6) at nodes in the axes of the part, and a mask of known nodes.
 
-    Nodes with several places, as where two materials meet, take the first one.
+    Nodes with several places, such as on the border of two materials, use the first place.
     """
     if modes.nodes is None:
         return None, None
@@ -100,7 +100,7 @@ def rigid_body(shape: BodyShape, joints: Array, size: float) -> Body:
     shape : BodyShape
         Shape with lines as elements.
     joints : (k, 3) array
-        Points at which joints and forces hold it, m.
+        Points at which joints and forces act, m.
     size : float
         Size of the machine, m.
     """

@@ -42,7 +42,7 @@ def run_scene(run: Solution) -> Scene:
     Raises
     ------
     InputError
-        If nothing is stored yet.
+        If the run contains no stored instant yet.
     """
     if not run.nt:
         raise InputError(Problem(run.where, "no instant is stored yet"))

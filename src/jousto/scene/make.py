@@ -44,14 +44,15 @@ def make_scene(thing: Any, *, damage: DamageField | Sequence[DamageField] = ()) 
     Parameters
     ----------
     thing : Solution, Model, Mechanism, MechanismModes, ReducedPart, Part or Mesh
-        A run moves; a model or mechanism stands at its start; modes and reduced parts vibrate.
+        Object to show: a run moves, a model or mechanism is at its start, modes and reduced parts
+        vibrate.
     damage : DamageField or sequence of DamageField
         Damage of bodies of a run, which is shown over them.
 
     Raises
     ------
     InputError
-        If there is nothing to see of it, or damage is not of one of its bodies.
+        If the object has no visible shape, or the damage belongs to no body of it.
     """
     scene = next((make(thing) for kind, make in KINDS if isinstance(thing, kind)), None)
     if scene is None:

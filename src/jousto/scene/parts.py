@@ -53,7 +53,7 @@ def mesh_scene(mesh: Mesh) -> Scene:
     Raises
     ------
     InputError
-        If it has no solid elements.
+        If the mesh has no solid elements.
     """
     faces = outer_faces(mesh.cells)
     triangles = np.asarray(triangulate(faces)) if faces else np.zeros((0, 3), dtype=np.int64)

@@ -33,7 +33,7 @@ class Rings:
     ends : (ne, 2, 7) array
         Pose ``[x y z e0 e1 e2 e3]`` of both ends of each element in the frames of their nodes.
     element, share : (nring,) arrays
-        The element of each ring, and where on it: 0 at its first end, 1 at its second.
+        The element of each ring, and the position on it: 0 at its first end, 1 at its second.
     vertex_ring : (nv,) int array
         The ring of each vertex.
     yz : (nv, 2) array
@@ -46,7 +46,7 @@ class Rings:
     rows : (ncorner, 6, 6) array
         Stress ``[s11 s22 s33 s12 s23 s13]`` for unit resultants, 1/m2 and 1/m3.
     least : float
-        Thickness of a section in a picture at least, by the extent of the motion.
+        Smallest thickness of a section in a picture, relative to the extent of the motion.
     """
 
     places: Index
@@ -69,7 +69,7 @@ class Sections:
     Attributes
     ----------
     element, share : (nring,) arrays
-        The element of each section, and where on it: 0 at its first end, 1 at its second.
+        The element of each section, and the position on it: 0 at its first end, 1 at its second.
     vertex_ring : (nv,) int array
         The section of each vertex.
     yz : (nv, 2) array
@@ -93,7 +93,7 @@ class Body:
     kind : str
         "solid", "frame", "beam", "rigid", "ground" or "mesh".
     place : int
-        Column of ``[R e p]`` in a row; -1 if it stands in the world.
+        Column of ``[R e p]`` in a row; -1 if the body is fixed in the world.
     modes : int
         Number n of its modes.
     positions : (nv, 3) array
@@ -103,8 +103,8 @@ class Body:
     shapes : (n, nv, 3) array or None
         Displacement of the vertices in each mode, kg^-0.5.
     stress : (n, nv, 6) array or None
-        Stress ``[s11 s22 s33 s12 s23 s13]`` of each mode, Pa kg^-0.5 m^-1: of solids in the axes of
-        the body, of frames in those of the section.
+        Stress ``[s11 s22 s33 s12 s23 s13]`` of each mode, Pa kg^-0.5 m^-1: in the axes of the body
+        for solids, of the section for frames.
     static : (nv, 6) array or None
         Stress that does not change, Pa.
     known : (nv,) bool array or None
@@ -114,7 +114,7 @@ class Body:
     damage : (nv,) array or None
         Damage at the vertices; nan where it is not known.
     life : (nv,) array or None
-        Life at the vertices, s; inf without end, nan where it is not known.
+        Life at the vertices, s; inf for infinite life, nan where it is not known.
     mass : float or None
         kg.
     about : str
@@ -183,15 +183,15 @@ class Symbol:
     group : str
         "joint", "force", "sensor" or "ground".
     sides : tuple of Side
-        Points that the symbol joins; of a path all its points.
+        Points that the symbol connects; for a path all its points.
     axis : (3,) array or None
         Direction in the frame of the body of the first side, or in the world if `fixed`.
     size : float or None
         m.
     sensor : str or None
-        The sensor of that symbol.
+        Name of the sensor of the symbol.
     text : str
-        One line about it.
+        Description in one line.
     fixed : bool
         Whether the axis keeps its direction in the world.
     """
@@ -260,9 +260,9 @@ class Mode:
     damping : float or None
         Damping ratio.
     real, imag : (nr,) arrays
-        Change of the row; imag is None where all moves at once.
+        Change of the row; imag is None if all points move in phase.
     amplitude : float
-        The factor that moves the largest displacement by a tenth of the size.
+        Factor that scales the largest displacement to a tenth of the size.
     note : str
     """
 
@@ -326,9 +326,9 @@ class Scene:
     gravity : (3,) array or None
         m/s2.
     measures : tuple of str
-        Quantities that can be shown in colours.
+        Quantities available as colours.
     limits : dict
-        Measure to least and largest value over the run, as far as they are known.
+        Smallest and largest value of each measure over the run, as far as known.
     run : Solution or None
         The results.
     """

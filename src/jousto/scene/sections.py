@@ -44,7 +44,7 @@ def outlines(edges: Sequence[Array], length: float) -> Array:
     Parameters
     ----------
     edges : sequence of (k, 2) arrays
-        Outer edges; empty where they are not known: then a thin square is drawn.
+        Outer edges; empty if unknown, for a thin square instead.
     length : float
         Length of the beam, m.
     """
@@ -70,8 +70,8 @@ def _resampled(edge: Array, k: int) -> Array:
 def outline_rows(section: Any, edge: Array) -> Array:
     """Return the stress (k, 6, 6) for unit resultants at the corners (k, 2) of an outline.
 
-    On the edge between the points of a section, normal stress is linear over the section if it is
-    so at its points, and shear stress is that between the nearest points.
+    On the edge between the points of a section, normal stress is linear over the section if the
+    values at its points are, and shear stress is interpolated between the nearest points.
     """
     points, rows = section.points, section.rows
     if not len(points):

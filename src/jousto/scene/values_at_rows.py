@@ -19,7 +19,7 @@ BLOCK = 64 << 20  # bytes of rows per read
 def rows_at(scene: Scene, times: ArrayLike) -> Array:
     """Return the rows (nt, nr) of a run at instants, linear between stored rows.
 
-    Euler parameters take the sign nearer to those of the row before.
+    Euler parameters have the sign nearer to the row before.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def vertices(body: Body, rows: Array, *, scale: float = 1.0) -> Array:
     body : Body
     rows : (k, nr) array
     scale : float
-        Factor on the deformation in the frame of the body; exact beams are as they are.
+        Factor on the deformation in the frame of the body; exact beams are not scaled.
     """
     if body.rings is not None:
         r, Q = _swept(body.rings, rows)
@@ -113,7 +113,7 @@ def _swept(rings: Rings, rows: Array) -> tuple[Array, Array]:
 def stresses(body: Body, rows: Array) -> Array | None:
     """Return the stress (k, nv, 6) of the vertices, Pa, nan where unknown; None without stress.
 
-    ``sigma = static + sum_j Sigma_j p_j``; of exact beams the rows of the section times the
+    ``sigma = static + sum_j Sigma_j p_j``; for exact beams, the rows of the section times the
     resultants, which are linear along an element.
     """
     if body.rings is not None:
