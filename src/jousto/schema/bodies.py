@@ -23,14 +23,14 @@ def parts_of(document: Document, values: Mapping[str, float], trust: bool) -> di
     document : Document
         A model file.
     values : dict of float
-        Of its parameters.
+        Values of its parameters.
     trust : bool
         As in `read_model`.
 
     Raises
     ------
     InputError
-        Everything that is wrong with these values, with lines.
+        With all problems of these values and their lines.
     """
     document = expand(document, values).document
     valid = validate(document)

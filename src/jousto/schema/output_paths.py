@@ -28,7 +28,7 @@ def output_path(given: Path | None, source: Path, name: str, *, kind: str = "") 
     Parameters
     ----------
     given : Path or None
-        What the user asked for.
+        Path requested by the user.
     source : Path
         The input file.
     name : str
@@ -40,8 +40,8 @@ def output_path(given: Path | None, source: Path, name: str, *, kind: str = "") 
     Raises
     ------
     InputError
-        If it is the input, a folder, in a folder that does not exist, or holds other data; if
-        the input is a folder.
+        If the path is the input, a folder, in a missing folder, or contains other data; or if the
+        input is a folder.
     """
     check_input(source)
     if given is not None:

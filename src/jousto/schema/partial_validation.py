@@ -23,13 +23,13 @@ class Valid:
     entry : ModelEntry or None
         The file without its invalid entries; None if that cannot be read either.
     index : dict
-        For each list the places in the file of the entries that are left.
+        For each list, the indices in the file of the remaining entries.
     problems : list of (path, Problem)
-        What is wrong with the others.
+        Problems of the invalid entries.
     broken : list of (section, name)
-        Names of the entries that were left out; None if any name may be missing.
+        Names of the excluded entries; None if any name may be missing.
     rest : list of (path, class)
-        The entries of lists that were left out, and what each declares.
+        The excluded entries of lists, and the class that each declares.
     """
 
     entry: ModelEntry | None

@@ -62,17 +62,17 @@ class ModelFile:
     mechanism : Mechanism
         Bodies, joints, forces and sensors.
     simulation : Simulation or None
-        How to simulate it, if the file has it.
+        Simulation settings, if the file contains them.
     text : str
-        The text of the file, to be kept with the results.
+        The text of the file, which is stored with the results.
     fatigue : Fatigue or None
-        S-N curves and what is to be checked, if the file says so.
+        S-N curves and fatigue checks, if the file contains them.
     monitor : MonitorSettings or None
-        How measured strains are to be watched, if the file says so.
+        Settings of the monitoring of measured strains, if the file contains them.
     parameters : tuple of Parameter
         Numbers that a study may vary.
     variants : Variants or None
-        Makes the machine for other values of them, for `study`.
+        Source of machines for other parameter values, for `study`.
     limits : tuple of Requirement
         Outcomes and their bounds.
     reliability : Reliability
@@ -104,31 +104,30 @@ def read_model(
     Parameters
     ----------
     path : str or Path
-        The file; file names in it are relative to its folder. What ends with .urdf, .mjcf, .sdf
-        or .xml is read by `jo.robots.read_robot`, which has more options.
+        The file; file names in it are relative to its folder. Files that end with .urdf, .mjcf,
+        .sdf or .xml are read by `jo.robots.read_robot`, which has more options.
     rigid : bool
-        Whether flexible bodies are made rigid, with the mass and inertia of their parts: to see
-        what flexibility does, and for `inverse_dynamics`. Sensors of modes and stress are left
-        out.
+        Whether flexible bodies become rigid, with the mass and inertia of their parts, to see the
+        effect of flexibility, or for `inverse_dynamics`. Sensors of modes and stress are omitted.
     trust : bool
         Whether Python functions (forces of type ``user-force``) and functional mock-up units
-        (``fmus``) that the file names may run. They can do anything that you can on this computer:
-        only for files whose author you know. Without it functions are refused here, units when
-        `simulate` would load them.
+        (``fmus``) that the file names may run. Such code has all your rights on this computer:
+        trust only files whose author you know. Without trust, functions raise an error here, and
+        units when `simulate` loads them.
     progress : bool or function, optional
-        What `reduce` reports to, for parts that take long.
+        Receiver of the progress of `reduce`, for large parts.
     parameters : dict of str to float, optional
-        Values of parameters of the file in SI units, instead of those that it gives.
+        Values of parameters of the file in SI units, instead of those in the file.
 
     Raises
     ------
     InputError
-        Everything that is wrong with the file, with lines.
+        With all problems of the file and their lines.
 
     Warns
     -----
     JoustoWarning
-        What the constructors warn about, with lines; parameters that nothing uses.
+        For all warnings of the constructors, with lines, and for unused parameters.
     """
     if Path(path).suffix.lower() in SUFFIXES:
         return ModelFile(robot_mechanism(read_robot(path)))
@@ -225,9 +224,9 @@ class PartFile:
     part : Part or None
         The part with its mesh; None if the file names a part that was reduced before.
     method : CraigBampton, FreeFree or None
-        How it is to be reduced.
+        Method of its reduction.
     reduced : ReducedPart or None
-        Its modes; None if they were not asked for.
+        Its modes; None if they were not requested.
     """
 
     name: str
@@ -249,7 +248,7 @@ def read_part(path: str | Path, name: str | None = None) -> Any:
     Raises
     ------
     InputError
-        Everything that is wrong with the part, with lines.
+        With all problems of the part and their lines.
     """
     return read_part_file(path, name).reduced
 
@@ -266,12 +265,12 @@ def read_part_file(
     reduce : bool
         Whether the part is reduced; reading alone is quick.
     **options
-        Arguments of `reduce` that go before those of the file: solver, cache, progress.
+        Arguments of `reduce` with precedence over those of the file: solver, cache, progress.
 
     Raises
     ------
     InputError
-        Everything that is wrong with the part, with lines.
+        With all problems of the part and their lines.
     """
     document = expand(read_document(path)).document
     loc: Loc = ()

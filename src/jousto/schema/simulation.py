@@ -51,7 +51,7 @@ class Simulation(Declared):
     def given(self, model: Any = None) -> dict[str, Any]:
         """Return the keyword arguments of `simulate` in the file, except `t_end`.
 
-        If the compiled model is given, they include the initial state of the run.
+        With a compiled model, the arguments include the initial state of the run.
         """
         values = {"solver": self.solver, "output_step": self.output_step}
         if model is not None:

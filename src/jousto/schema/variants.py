@@ -28,15 +28,15 @@ class Variants:
     Parameters
     ----------
     build : function
-        Reads a document, `build_model`.
+        Function that builds a document, `build_model`.
     document : Document
         The file, read once.
     parameters : tuple of Parameter
-        What may be varied.
+        Parameters that may be varied.
     rigid, trust : bool
         As in `read_model`.
     unused : tuple of str
-        Names of parameters that the machine does not depend on.
+        Names of parameters without effect on the machine.
     """
 
     build: Callable[..., Any]
@@ -71,12 +71,12 @@ class Variants:
         values : mapping
             Values of parameters in SI.
         kept : dict
-            Reduced parts of other variants by what the file says of them.
+            Reduced parts of other variants, by their entries in the file.
 
         Raises
         ------
         InputError
-            What is wrong with these values, with lines.
+            With all problems of these values and their lines.
         """
         file = self.build(
             self.document, rigid=self.rigid, trust=self.trust, parameters=values, kept=kept

@@ -21,7 +21,7 @@ class Tagged:
     Parameters
     ----------
     tag : callable, optional
-        Returns the type of a mapping that does not say it.
+        Returns the type of a mapping without the key ``type``.
     """
 
     def __init__(self, tag: Callable[[dict[str, Any]], str | None] | None = None) -> None:
@@ -79,7 +79,7 @@ def tagged(tag: Callable[[dict[str, Any]], str | None] | None = None) -> Tagged:
     Parameters
     ----------
     tag : callable, optional
-        Returns the type of a mapping that does not say it.
+        Returns the type of a mapping without the key ``type``.
     """
     return Tagged(tag)
 

@@ -110,11 +110,11 @@ def entry_of(
     ----------
     cls : type
     implied : bool
-        Whether its word may be left out.
+        Whether the key ``type`` is optional.
     without : tuple of str
-        Fields that the file writes in another way.
+        Fields with another form in files.
     base : type
-        Entry with further keys.
+        Base entry with further keys.
     """
     if cls in SPECIAL:
         return SPECIAL[cls]
@@ -155,11 +155,11 @@ def special(cls: Any, word: str, *, implied: bool = False, base: Any = Entry, **
     ----------
     cls : type
     word : str
-        Its ``type``.
+        Value of its ``type``.
     implied : bool
-        Whether that may be left out.
+        Whether the key ``type`` is optional.
     base : type
-        Entry with further keys.
+        Base entry with further keys.
     **keys
         Its keys, most of them from `keys_of`.
     """
@@ -197,13 +197,13 @@ class Declarations(Tagged):
     section, room : str
         As for `kinds`.
     implied : callable, optional
-        Returns the type of a mapping that does not say it.
+        Returns the type of a mapping without the key ``type``.
     others : mapping, optional
-        Entries of other words.
+        Entries of types without a declared class, by word.
     unsaid : tuple of str
-        The words that may be left out, where not all may.
+        Types that are optional in the file, if not all of them are.
     base : type
-        Entry with the keys that all of them have besides their fields.
+        Base entry with the keys that all entries have besides their fields.
     """
 
     def __init__(
@@ -281,7 +281,7 @@ class EntryOf(EntryBy):
     Parameters
     ----------
     module, name : str
-        Where the class is.
+        Module and name of the class.
     without : tuple of str
         As for `entry_of`.
     **keys

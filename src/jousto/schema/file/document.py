@@ -84,8 +84,8 @@ def read_document(path: str | Path) -> Document:
     Raises
     ------
     InputError
-        If there is no such file or it is not text, syntax errors with their line, keys given
-        twice, content that is not a mapping, is nested too deeply or has too many entries.
+        If the file does not exist or is not text; for syntax errors, with their lines; for repeated
+        keys, and for content that is not a mapping, is nested too deeply or has too many entries.
     """
     path = Path(path)
     check_text(path)

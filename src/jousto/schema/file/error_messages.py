@@ -22,13 +22,13 @@ def explain(
     Parameters
     ----------
     error : ValidationError
-        What pydantic found.
+        Error of pydantic.
     document : Document
         The data that were validated.
     classes : mapping of int to class
-        The class that each mapping was read as, by the id of the mapping.
+        Class as which each mapping was read, by the id of the mapping.
     prefix : tuple
-        Path of the data that were validated in the document.
+        Path of the validated data in the document.
     """
     found: list[tuple[Loc, Problem]] = []
     for raw in error.errors(include_url=False):

@@ -18,7 +18,7 @@ def read_matrix(path: Path) -> Any:
     Raises
     ------
     InputError
-        If there is no such file, its ending is unknown or its content is no matrix.
+        If the file does not exist, its ending is unknown or its content is not a matrix.
     """
     from jousto.parts.matrices.plain import SUFFIXES, read_plain
 
@@ -31,7 +31,7 @@ def read_points(path: Path) -> NDArray[np.float64]:
     Raises
     ------
     InputError
-        If there is no such file, its ending is unknown or its content is no table of numbers.
+        If the file does not exist, its ending is unknown or its content is not a table of numbers.
     """
 
     def table(file: Path) -> NDArray[np.float64]:

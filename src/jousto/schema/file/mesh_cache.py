@@ -32,14 +32,14 @@ def mesh_of_cad(path: Path, keep: bool | None, **values: Any) -> Mesh:
     path : Path
         The CAD file; its content counts, not its name or date.
     keep : bool, optional
-        Whether meshes are kept; None keeps those of large parts, as `reduce` does.
+        Whether to store meshes; None: those of large parts only, as in `reduce`.
     **values
         Arguments of `mesh_cad`.
 
     Raises
     ------
     InputError
-        As `mesh_cad`.
+        As for `mesh_cad`.
     """
     from jousto.base.version import __version__
     from jousto.mesh.readers.step import mesh_cad

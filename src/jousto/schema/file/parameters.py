@@ -28,13 +28,13 @@ class Expanded:
     Parameters
     ----------
     document : Document
-        Without its parameters.
+        The document without its parameters.
     parameters : tuple of Parameter
-        Those that may be varied: not those that are expressions themselves.
+        Parameters that may be varied, without those that are expressions themselves.
     unused : tuple of str
-        Names of those that nothing depends on.
+        Names of parameters without effect.
     idle : tuple of str
-        Names of those that only limits, and parameters for these, depend on.
+        Names of parameters on which only limits, or parameters of limits, depend.
     """
 
     document: Document
@@ -56,7 +56,7 @@ def expand(document: Document, values: Mapping[str, float] | None = None) -> Exp
     Raises
     ------
     InputError
-        Everything that is wrong with parameters and expressions, with lines.
+        With all problems of parameters and expressions and their lines.
     """
     if SECTION not in document.data and "${" not in document.text:
         return Expanded(document)

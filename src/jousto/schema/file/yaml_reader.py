@@ -50,16 +50,16 @@ class YamlReader:
     name : str
         Name of the file, for problems.
     problems : Problems
-        Takes what is wrong with entries.
+        Collector of problems of entries.
     lines : dict, optional
-        Takes the line (from 1) of every entry by its path.
+        Mapping that receives the line (from 1) of every entry by its path.
 
     Raises
     ------
     yaml.YAMLError
-        If the text is no YAML; from `read`, too.
+        If the text is not YAML; also raised by `read`.
     UnicodeEncodeError
-        If it has a character that UTF-8 has not.
+        If it contains a character that UTF-8 cannot encode.
     """
 
     def __init__(
@@ -120,10 +120,10 @@ class YamlReader:
         Raises
         ------
         InputError
-            If there is nothing in it, or too many entries; with problems that are no single
-            entry's.
+            If the text is empty or has too many entries, or for problems that belong to no single
+            entry.
         RecursionError
-            If it is nested too deeply.
+            If the text is nested too deeply.
         """
         self.next()  # skip the start of the stream
         first = self.next()

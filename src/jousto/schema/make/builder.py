@@ -25,16 +25,16 @@ class Builder:
     Parameters
     ----------
     document : Document
-        For lines, and the folder of files it refers to.
+        The document, with its lines and the folder of its files.
     broken : iterable of (str, str or None)
         Sections and names of entries that failed before; references to them are not reported
         again. None stands for any name.
     rigid : bool
-        Whether flexible bodies are made rigid.
+        Whether flexible bodies become rigid.
     trust : bool
         Whether Python code and mock-up units that the document names may run.
     options : mapping, optional
-        Arguments of `reduce` that go before those of the document: solver, cache, progress.
+        Arguments of `reduce` with precedence over those of the document: solver, cache, progress.
     """
 
     forms: Mapping[str, Callable[[Any, Any], Any]] = {}
@@ -126,7 +126,7 @@ class Builder:
             Path of the entry.
         problem : Problem
         head : str
-            What stands before its message.
+            Text before its message.
         """
         place = self.field(loc, problem.path)
         message = problem.sentence if place == loc else problem.message
@@ -248,13 +248,13 @@ class Section(Mapping[str, Any]):
     Parameters
     ----------
     builder : Builder
-        Notes problems, and the names of entries that fail.
+        Builder that collects problems, and the names of invalid entries.
     key : str
-        The section.
+        Key of the section.
     entries : iterable of (name, path, entry)
-        Its entries.
+        Entries of the section.
     build : function
-        Returns the object of a path and an entry, None if anything is wrong with it.
+        Returns the object of a path and an entry; None for an invalid entry.
     """
 
     def __init__(

@@ -23,11 +23,11 @@ def build_curve(builder: Builder, loc: Loc, entry: Any, curves: dict[str, Any]) 
     Parameters
     ----------
     builder, loc
-        As everywhere.
+        Builder, and path of the entry.
     entry : str, SNEntry, WeldEntry or NamedEntry
         Names are looked up among `curves`, then in the library.
     curves : dict
-        Curves of the file by name; None those that are wrong.
+        Curves of the file by name; None for invalid ones.
     """
     from jousto.materials.strength.sn_library import sn_curve
 

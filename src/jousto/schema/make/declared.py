@@ -31,15 +31,15 @@ class Place:
     Parameters
     ----------
     builder, loc
-        As everywhere.
+        Builder, and path of the entry.
     field : Field
-        What is to be made.
+        Field of the declared class.
     known : mapping
-        What the entry may name.
+        Objects that the entry may name.
     values : mapping
-        The fields of the entry that were made before this one.
+        Values of the fields before this one.
     use : str
-        SI unit of what a signal is used for.
+        SI unit of the quantity that a signal prescribes.
     """
 
     builder: Builder
@@ -78,13 +78,13 @@ def build_declared(
     Parameters
     ----------
     builder, loc, entry
-        As everywhere.
+        Builder, path of the entry, and the entry.
     known : mapping
-        What the entry may name.
+        Objects that the entry may name.
     use : str
-        SI unit of what a signal is used for.
+        SI unit of the quantity that a signal prescribes.
     more : mapping
-        Fields that the entry does not give.
+        Values of fields that are not in the entry.
     """
     cls = entry.declared
     if cls in SPECIAL:
@@ -118,15 +118,15 @@ def check_names(
     Parameters
     ----------
     builder, loc
-        As everywhere.
+        Builder, and path of the entry.
     cls : class
-        What the entry declares.
+        Class that the entry declares.
     given : mapping
-        The entry as it stands in the document.
+        The entry as written in the document.
     known : mapping
-        What it may name.
+        Objects that the entry may name.
     wrong : set of paths
-        Fields that were found wrong already.
+        Paths of fields already known as invalid.
     """
     for field in cls.fields.values():
         place = Place(builder, (*loc, field.key), field, known, {})
@@ -293,9 +293,9 @@ def build_signal(builder: Builder, loc: Loc, entry: Any, unit: str) -> Any:
     Parameters
     ----------
     builder, loc, entry
-        As everywhere.
+        Builder, path of the entry, and the entry.
     unit : str
-        SI unit of its values.
+        SI unit of the values of the signal.
     """
     if not isinstance(entry, Entry):
         return build_amount(builder, loc, entry, unit)

@@ -76,7 +76,7 @@ def pattern(place: Place, value: Any) -> Any:
 def function(place: Place, text: str) -> Any:
     """Return the function of a text ``module:name`` or ``file.py:name``.
 
-    It is imported only if the user trusts the model file: importing runs its code.
+    The function is imported only if the user trusts the model file, since an import runs code.
     """
     module, _, name = text.rpartition(":")
     if not place.builder.trust:
@@ -91,7 +91,7 @@ def load_function(builder: Builder, place: str, name: str) -> Any:
     Raises
     ------
     InputError
-        If it cannot be imported or has no such function.
+        If the module cannot be imported or has no such function.
     """
     try:
         if place.endswith(".py"):

@@ -161,9 +161,9 @@ class ModelBuilder(Builder):
         Parameters
         ----------
         entries : list of (path, class)
-            Entries of the lists, and what they are read as.
+            Paths of the entries of lists, and the classes as which they are read.
         wrong : set of paths
-            What was found wrong already.
+            Paths already known as invalid.
         """
         for loc, entry in entries:
             check_names(self, loc, entry.declared, self.document.at(loc), self.known, wrong)
@@ -174,7 +174,7 @@ class ModelBuilder(Builder):
         Parameters
         ----------
         entry : ModelEntry
-            The validated file, or what is left of it without invalid entries.
+            The validated file, or its valid entries.
         index : dict
             For each list the places of its entries in the file.
         """

@@ -21,7 +21,7 @@ def build_table(builder: Builder, loc: Loc, entry: Any, at: str, unit: str) -> A
     Parameters
     ----------
     builder, loc, entry
-        As everywhere.
+        Builder, path of the entry, and the entry.
     at, unit : str
         SI units of the places, such as times, and of the values.
     """

@@ -44,7 +44,7 @@ def read_duty(path: str | Path) -> Duty:
     Raises
     ------
     InputError
-        What is wrong with it, with lines.
+        With all problems of the file and their lines.
     """
     form: Any = entry_of(Duty)
     found: Duty = built(read_document(path), form, lambda b, entry: build_declared(b, (), entry))

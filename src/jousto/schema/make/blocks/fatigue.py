@@ -29,9 +29,9 @@ class Fatigue:
     Attributes
     ----------
     curves : dict of str to SN
-        By name.
+        S-N curves by name.
     checks : tuple of FatigueCheck
-        In the order of the file.
+        Checks in the order of the file.
     """
 
     curves: dict[str, SN]
@@ -58,12 +58,12 @@ def build_fatigue(
     Parameters
     ----------
     builder : Builder
-        Notes problems with their lines.
+        Builder that collects problems with their lines.
     entry : FatigueEntry
     bodies : iterable of str, optional
         Names of the flexible bodies; None does not check them.
     known_curves : dict, optional
-        What `build_curves` made; None builds them here.
+        Result of `build_curves`; None: the curves are built here.
     """
     from jousto.fatigue.cycles.rainflow import check_residue
 
@@ -127,14 +127,14 @@ def built(
     form : type
         The entry.
     build : function
-        Makes the object of a builder and a valid entry, and notes what is wrong.
+        Returns the object from a builder and a valid entry, and adds problems to the builder.
     prefix : tuple
         Path of the block.
 
     Raises
     ------
     InputError
-        What is wrong, with lines.
+        With all problems and their lines.
     """
     classes: dict[int, Any] = {}
     data = document.at(prefix) if prefix else document.data
@@ -158,7 +158,7 @@ def parse_fatigue(text: str, name: str = "model") -> Fatigue | None:
     Raises
     ------
     InputError
-        What is wrong with the block, with lines.
+        With all problems of the block and their lines.
     """
     document = parse_document(text, name=name)
     if document.data.get("fatigue") is None:
@@ -173,7 +173,7 @@ def read_curve(path: str | Path) -> SN:
     Raises
     ------
     InputError
-        If the file cannot be read, or what is wrong with it, with lines.
+        If the file cannot be read, or with all its problems and their lines.
     """
     found: SN = built(
         read_document(path), CurveForm, lambda b, entry: build_curve(b, (), entry, {})

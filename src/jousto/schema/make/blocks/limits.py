@@ -30,9 +30,9 @@ class Reliability:
     Attributes
     ----------
     target : float or None
-        Reliability index that limits shall have.
+        Target reliability index of the limits.
     correlation : dict of (str, str) to float
-        Of pairs of parameters.
+        Correlation of pairs of parameters.
     """
 
     target: float | None = None
@@ -64,11 +64,11 @@ def build_limits(
     Parameters
     ----------
     builder : Builder
-        Notes problems with their lines.
+        Builder that collects problems with their lines.
     texts : tuple of str
-        What the file says.
+        Texts of the file.
     parameters : tuple of Parameter
-        Those that may be varied.
+        Parameters that may be varied.
     data : dict
         The file with its expressions.
     """
