@@ -27,7 +27,7 @@ def read_bundle() -> dict[str, bytes]:
     Raises
     ------
     InputError
-        If they were not built.
+        If the page was not built.
     """
     try:
         return {name: (FOLDER / name).read_bytes() for name in (JS, CSS)}

@@ -1,8 +1,8 @@
 """Container of scenes and numbers for the page: a JSON header, then arrays.
 
 ``JOV1``, the length of the header (4 bytes), the header (UTF-8, padded with spaces so that the
-arrays begin at a multiple of 8), the arrays. All numbers are little endian and in C order. Where
-an array belongs, the header has ``{"at": byte offset, "shape": [...], "type": "f8"}``.
+arrays begin at a multiple of 8), the arrays. All numbers are little endian and in C order. In place
+of an array, the header contains ``{"at": byte offset, "shape": [...], "type": "f8"}``.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ REFERENCE = {"at", "shape", "type"}
 def pack(header: Mapping[str, Any]) -> bytes:
     """Return a header with NumPy arrays as bytes; each array is stored once.
 
-    Arrays keep their type (f8, f4, f2, u4, i4, u2 or u1; other whole numbers become i4, logical
-    ones u1). Numbers that are not finite become null, for JSON has none.
+    Arrays keep their type (f8, f4, f2, u4, i4, u2 or u1; other whole numbers become i4, booleans
+    u1). Numbers that are not finite become null, since JSON cannot represent them.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def unpack(data: bytes) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If it is no container, or one that is cut off.
+        If the data are not a container, or are cut off.
     """
     head = data[:4] == MAGIC and len(data) >= 8
     start = 8 + int.from_bytes(data[4:8], "little")

@@ -42,7 +42,7 @@ def rank_places(
     Raises
     ------
     InputError
-        If nothing is known of it.
+        If no value of the measure is known.
     """
     if measure == "damage":
         return _damaged_places(scene, count)
@@ -67,7 +67,7 @@ def extent(scene: Scene, measure: str) -> tuple[float, float]:
     Raises
     ------
     InputError
-        If nothing is known of it.
+        If no value of the measure is known.
     """
     known = scene.limits.get(measure)
     if known is not None:

@@ -26,7 +26,7 @@ class Watched:
     files : sequence of path
         Displayed objects by file.
     make : callable
-        Returns the scenes of everything that is shown, from the files as they are.
+        Returns the scenes of all displayed objects from the present files.
     """
 
     def __init__(self, files: Sequence[Path], make: Callable[[], list[Scene]]) -> None:
@@ -57,7 +57,7 @@ class Watched:
         Raises
         ------
         JoustoError
-            If that cannot be shown.
+            If the content cannot be shown.
         """
         found = {file: (write_stamp(file), content_mark(file)) for file in self._known}
         scenes = self._make()
@@ -115,7 +115,7 @@ def check_comparable(scenes: Sequence[Scene]) -> None:
     Raises
     ------
     InputError
-        If they are of different kinds.
+        If the scenes are of different kinds.
     """
     words = {"run": "a run", "model": "a model", "part": "a part", "modes": "modes"}
     kinds = [scene.what for scene in scenes]

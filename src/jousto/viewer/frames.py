@@ -47,7 +47,7 @@ class Frames:
         Raises
         ------
         InputError
-            If the window is empty or has none.
+            If the window is empty or contains no frames.
         """
         if not end > start:
             raise InputError(
@@ -77,7 +77,7 @@ class Frames:
         Raises
         ------
         InputError
-            If this is more than an answer may contain.
+            If the frames exceed the largest answer.
         """
         most = LARGEST // (NUMBER * max(width, 1))
         chosen = max(0, min(number, -(-(self.number - first) // every)))

@@ -37,7 +37,7 @@ def register(shell: Any = None) -> None:
     Parameters
     ----------
     shell : InteractiveShell, optional
-        The running one if not given.
+        By default the running one.
     """
     if shell is None:
         shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()

@@ -42,9 +42,9 @@ class Answers:
     titles : sequence of str, optional
         Names of the scenes if there are several.
     page : callable, optional
-        Returns all of it as one page.
+        Returns all scenes as one page.
     watched : Watched, optional
-        The files that are shown: where another run takes their place it is shown instead.
+        Displayed files; if a new run replaces one of them, the new run is shown.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class Answers:
         InputError
             With the sentence that the page shows.
         Renewed
-            If it shows what is no longer in its files.
+            If the content of its files has changed.
         """
         asked = Request(request)
         with self._one:

@@ -342,7 +342,7 @@ def _request(text: str | bytes) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If it is none.
+        If the text is not a request.
     """
     if isinstance(text, bytes):
         raise InputError(Problem("request", "is binary, must be JSON text"))

@@ -41,7 +41,7 @@ def write_page(
     path : path
         Ends with .html.
     frames : int
-        Instants of each run that go into the page, at most.
+        Largest number of instants of each run in the page.
     titles : sequence of str, optional
         Names of the scenes where there are several.
 

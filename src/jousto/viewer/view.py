@@ -52,7 +52,7 @@ class View:
         Raises
         ------
         InputError
-            If it is embedded in a notebook, and so has none.
+            If the page is embedded in a notebook and has no address.
         """
         if self._server is None:
             raise InputError(Problem("view", "an embedded page has no address"))
@@ -85,7 +85,7 @@ class View:
         path : path
             Ends with .html.
         frames : int
-            Instants of each run at most.
+            Largest number of instants of each run.
 
         Raises
         ------
@@ -144,8 +144,8 @@ def view(
     port : int
         Port of the server, 0 for any free port.
     embed : bool
-        In a notebook, put all of the page into the cell, without a server: for notebooks that are
-        sent or run elsewhere.
+        In a notebook, put the whole page into the cell, without a server, for notebooks that are
+        sent to others or run on other computers.
 
     Returns
     -------
@@ -155,7 +155,7 @@ def view(
     Raises
     ------
     InputError
-        For what cannot be shown, a port that is taken, or if the page was not built.
+        If an object cannot be shown, the port is taken, or the page was not built.
 
     Examples
     --------

@@ -42,12 +42,12 @@ def scenes_of(
     modes : bool
         Show the modes of vibration of machines instead of their pose.
     trust : bool
-        Let model files run their own Python code and mock-up units.
+        Whether Python code and mock-up units that model files name may run.
 
     Raises
     ------
     InputError
-        For a file that is none of these, damage of what is no run, and what cannot be shown.
+        For other files, damage without a run, and objects that cannot be shown.
     """
     from jousto.scene.make import make_scene
 
@@ -73,7 +73,7 @@ def read(path: Path, *, trust: bool = False) -> Any:
     Raises
     ------
     InputError
-        If it is not there, or nothing that can be shown.
+        If the file does not exist or cannot be shown.
     """
     suffix = path.suffix.lower()
     if path.is_dir():
@@ -115,7 +115,7 @@ def modes_of(thing: Any) -> Any:
     Raises
     ------
     InputError
-        If it is neither.
+        If the object is neither of these.
     """
     from jousto.mechanism.mechanism import Mechanism
     from jousto.model.compile import compile

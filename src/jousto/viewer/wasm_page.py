@@ -45,19 +45,19 @@ def write_running(
     path : path
         Ends with .html.
     solver : Solver, optional
-        Method of fixed step; None is that which `simulate` chooses for 10 s.
+        Method of fixed step; None: the choice of `simulate` for 10 s.
     state : State, optional
-        Initial state; None is that of the model.
+        Initial state; None: that of the model.
     ranges : dict of str to (float, float), optional
-        Ranges of inputs in SI; others follow from what they act on.
+        Ranges of inputs in SI; by default they follow from the driven quantity.
     named : sequence of Named
         Named constants that become parameters, from `named_constants`.
 
     Raises
     ------
     InputError
-        For what cannot be exported, a range that is empty, a page that was not built, without the
-        package ziglang, or if the file cannot be written.
+        If the model cannot be exported, a range is empty, the page was not built, the package
+        ziglang is missing, or the file cannot be written.
     """
     out = Path(path)
     inputs = input_ranges(model, ranges)

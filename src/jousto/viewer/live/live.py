@@ -113,7 +113,7 @@ class Live:
         Raises
         ------
         InputError
-            If there is no such body, or these are no points.
+            If there is no such body, or the points are invalid.
         """
         problems = Problems()
         names = [b.name for b in self.runner.machine.model.bodies]
@@ -148,7 +148,7 @@ class Live:
         Raises
         ------
         InputError
-            If it cannot be written.
+            If the file cannot be written.
         """
         self.runner.record(path)
 
@@ -158,7 +158,7 @@ class Live:
         Raises
         ------
         InputError
-            If there is no such parameter, or it makes no machine.
+            If there is no such parameter, or the machine is invalid with its value.
         """
         self._desk.change(parameter, value)
 
@@ -212,25 +212,25 @@ def live(
     machine : path, Mechanism or Model
         Machine to run; parameters of a file can be changed.
     step : float, optional
-        Step of the method, s; None is that of the file, or what `simulate` would take.
+        Step of the method, s; None: that of the file, or the choice of `simulate`.
     speed : float
-        Simulated seconds in a second of the watch; 0 is as fast as it can.
+        Simulated seconds per second of real time; 0: as fast as possible.
     ranges : dict of str to (float, float), optional
-        Ranges of inputs in SI; others follow from what they act on.
+        Ranges of inputs in SI; by default they follow from the driven quantity.
     record : path, optional
         Results file that is written from the start.
     playing : bool
-        Whether the machine runs at once.
+        Whether the machine starts immediately.
     open : bool
         Open the browser. In a notebook the page is shown in the cell instead.
     port : int
         Port of the server, 0 for any free port.
     urgent : bool
-        Ask the operating system that the machine goes before other programs;
-        ``.runner.refused`` has the reason of a refusal.
+        Whether to request priority over other programs from the operating system;
+        ``.runner.refused`` contains the reason of a refusal.
     udp : int, optional
-        Port of this computer on which frames of inputs are taken and outputs sent, one a step; 0
-        for any free port. ``.runner.link`` has the port and what was lost.
+        UDP port of this computer that receives frames of inputs and sends outputs, one per step; 0
+        for any free port. ``.runner.link`` contains the port and the number of lost frames.
     trust : bool
         Whether Python functions and mock-up units that a model file names may run.
 
@@ -242,8 +242,7 @@ def live(
     Raises
     ------
     InputError
-        For what cannot run, a range that is empty, a port that is taken, or if the page was not
-        built.
+        If the machine cannot run, a range is empty, the port is taken, or the page was not built.
 
     Examples
     --------

@@ -192,7 +192,7 @@ class LiveDesk:
     def change(self, name: str, value: float) -> None:
         """Set a parameter to a new value: rebuild the machine and continue from its state.
 
-        Where its state does not fit the new machine it starts anew, with a message on the page.
+        If the state does not fit the new machine, the machine restarts, with a message on the page.
         """
         made = self._made.changed(name, value)
         said = []

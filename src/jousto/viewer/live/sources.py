@@ -24,7 +24,7 @@ class OpenedMachine:
     model : Model
         The compiled machine.
     solver : Solver or None
-        Method of its file; None chooses.
+        Method of its file; None: automatic.
     interval : float or None
         Time between rows, s, if the file has one.
     state : State or None
@@ -36,7 +36,7 @@ class OpenedMachine:
     values : dict
         Values of parameters that were changed, in SI.
     variants : Variants or None
-        Makes it with other values of them.
+        Source of the machine for other parameter values.
     kept : dict
         Reduced parts of all variants.
     """
@@ -68,7 +68,7 @@ class OpenedMachine:
         Raises
         ------
         InputError
-            If there is no such parameter, or it makes no machine.
+            If there is no such parameter, or the machine is invalid with its value.
         """
         known = [parameter.name for parameter in self.parameters]
         if name not in known:
@@ -84,7 +84,7 @@ def open_machine(thing: Any, *, trust: bool = False) -> OpenedMachine:
     Raises
     ------
     InputError
-        If it is none of these.
+        If it is neither a path, a mechanism nor a model.
     """
     if isinstance(thing, str | Path):
         from jousto.schema.read import read_model
