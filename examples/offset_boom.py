@@ -20,6 +20,7 @@ from jousto.planar import (
     Convergence,
     PlanarBeam,
     PlanarDamping,
+    PlanarElement,
     PlanarFrame,
     PlanarLoad,
     PlanarNewmark,
@@ -34,19 +35,22 @@ A, I, E, RHO = 1900e-6, 3.756e-6, 207e9, 7850.0  # m2, m4, Pa, kg/m3
 ABSOLUTE = Convergence(residual=1e-3)  # the tolerance of the paper, read as N and N m
 
 
-def boom(GA: float = E * A) -> PlanarFrame:
-    """Four elements of 1 m on a pivot 0.5 m beside their axis, and a moment that grows with t^6."""
+def boom(
+    GA: float = E * A, element: str | PlanarElement = "exact", elements: int = 4
+) -> PlanarFrame:
+    """A boom of 4 m on a pivot 0.5 m beside its axis, and a moment that grows with t^6."""
     section = PlanarSection(EA=E * A, GA=GA, EI=E * I, mass=RHO * A, rotary=RHO * I)
     moment = PlanarLoad(0, moment=2e6, signal=lambda t: t if t <= 1.0 else t**6)
     return PlanarFrame(
-        [(0.0, -0.5), (1.0, 0.0), (2.0, 0.0), (3.0, 0.0), (4.0, 0.0)],
+        [(0.0, -0.5), *((4.0 * i / elements, 0.0) for i in range(1, elements + 1))],
         [
             PlanarBeam(0, 1, section, offset_a=(0.0, 0.5)),
-            *(PlanarBeam(i, i + 1, section) for i in (1, 2, 3)),
+            *(PlanarBeam(i, i + 1, section) for i in range(1, elements)),
         ],
         supports=[PlanarSupport(0)],
         loads=[moment],
         damping=PlanarDamping(mass=0.1),
+        element=element,
     )
 
 

@@ -16,8 +16,9 @@ import numpy as np
 import jousto as jo
 from jousto.base.lazy_exports import public_names
 from jousto.planar.dynamics import simulate_planar
-from jousto.planar.items import PlanarBeam, PlanarLoad, PlanarSection, PlanarSupport
+from jousto.planar.items import PlanarBeam, PlanarLoad, PlanarSupport
 from jousto.planar.methods import PlanarGeneralizedAlpha
+from jousto.planar.section import PlanarSection
 from jousto.planar.statics import load_steps
 from measurement.monitor import watched
 from verification.boxes import ring

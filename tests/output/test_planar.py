@@ -11,8 +11,9 @@ import jousto as jo
 from jousto.output.figures.planar import lines
 from jousto.planar.dynamics import simulate_planar
 from jousto.planar.frame import PlanarFrame
-from jousto.planar.items import PlanarBeam, PlanarLoad, PlanarSection, PlanarSupport
+from jousto.planar.items import PlanarBeam, PlanarLoad, PlanarSupport
 from jousto.planar.methods import PlanarNewmark
+from jousto.planar.section import PlanarSection
 from jousto.planar.statics import load_steps
 
 ROD = PlanarSection(EA=3e4, GA=1e4, EI=50.0, mass=2.0, rotary=0.05)

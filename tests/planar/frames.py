@@ -15,10 +15,10 @@ from jousto.planar.items import (
     PlanarDamping,
     PlanarLoad,
     PlanarMass,
-    PlanarSection,
     PlanarSupport,
     RigidLink,
 )
+from jousto.planar.section import PlanarSection
 
 Array = NDArray[Any]
 ROD = PlanarSection(EA=3e4, GA=1e4, EI=50.0, mass=2.0, rotary=0.05)
@@ -41,7 +41,7 @@ def slide(u: Array) -> Array:
     return np.array([u[0] + share * dx - 0.4, u[1] + share * dy, angle])
 
 
-def everything() -> PlanarFrame:
+def everything(**more: Any) -> PlanarFrame:
     """Offsets, three kinds of links, masses, dead and following loads, all damping."""
     nodes = {
         "p": (0.0, 0.0),
@@ -82,4 +82,5 @@ def everything() -> PlanarFrame:
         masses=[PlanarMass("far", 3.0, 0.2)],
         damping=PlanarDamping(mass=0.3, stiffness=2e-3),
         gravity=(0.5, -9.81),
+        **more,
     )

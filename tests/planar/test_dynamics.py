@@ -16,12 +16,12 @@ from jousto.planar.items import (
     PlanarDamping,
     PlanarLoad,
     PlanarMass,
-    PlanarSection,
     PlanarSupport,
     RigidLink,
 )
 from jousto.planar.methods import Convergence, Method, PlanarGeneralizedAlpha, PlanarNewmark
 from jousto.planar.results import PlanarRun, PlanarState, planar_spinning
+from jousto.planar.section import PlanarSection
 from jousto.planar.statics import load_steps, planar_frequencies
 from planar.frames import ROD, chain, everything
 

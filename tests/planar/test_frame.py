@@ -17,12 +17,12 @@ from jousto.planar.items import (
     PlanarDamping,
     PlanarLoad,
     PlanarMass,
-    PlanarSection,
     PlanarSupport,
     RigidLink,
 )
 from jousto.planar.methods import PlanarGeneralizedAlpha, PlanarNewmark
 from jousto.planar.results import planar_spinning
+from jousto.planar.section import PlanarSection
 from planar.frames import ROD, chain
 
 
@@ -107,8 +107,8 @@ def test_section_of_a_beam() -> None:
 
 
 def test_unknowns_without_mass_are_named() -> None:
-    bare = PlanarSection(EA=1e5, GA=1e5, EI=10.0, mass=1.0)
-    with pytest.raises(jo.InputError, match="no mass moves with r of node 1, r of node 2; give"):
+    bare = PlanarSection(EA=1e5, GA=1e5, EI=10.0)
+    with pytest.raises(jo.InputError, match="no mass moves with x of node 1, y of node 1, x of"):
         simulate_planar(chain(2, section=bare), 0.1, PlanarNewmark(0.01))
 
 

@@ -9,8 +9,9 @@ import pytest
 
 import jousto as jo
 from jousto.planar.frame import PlanarFrame
-from jousto.planar.items import PlanarBeam, PlanarLoad, PlanarSection, PlanarSupport
+from jousto.planar.items import PlanarBeam, PlanarLoad, PlanarSupport
 from jousto.planar.methods import Convergence
+from jousto.planar.section import PlanarSection
 from jousto.planar.statics import arc_length, load_steps, planar_frequencies
 from planar.frames import chain
 

@@ -13,9 +13,10 @@ import pytest
 import jousto as jo
 from jousto.planar.dynamics import simulate_planar
 from jousto.planar.frame import PlanarFrame
-from jousto.planar.items import PlanarBeam, PlanarDamping, PlanarLoad, PlanarSection, PlanarSupport
+from jousto.planar.items import PlanarBeam, PlanarDamping, PlanarLoad, PlanarSupport
 from jousto.planar.methods import Convergence, PlanarGeneralizedAlpha, PlanarNewmark
 from jousto.planar.results import PlanarRun
+from jousto.planar.section import PlanarSection
 
 EA, GA, EI, M, J = 1e6, 6e5, 1e3, 2.0, 0.05
 N, LENGTH, MOMENT = 4, 2.0, 300.0

@@ -1,5 +1,8 @@
 # names of jo.planar; they are loaded from here when they are first used
+from .ancf import AncfElement as AncfElement
+from .corotational import CorotationalElement as CorotationalElement
 from .dynamics import simulate_planar as simulate_planar
+from .element import PlanarElement as PlanarElement
 from .elimination import (
     ArmCoupling as ArmCoupling,
     BlockCoupling as BlockCoupling,
@@ -10,6 +13,7 @@ from .elimination import (
     LinearCoupling as LinearCoupling,
     PlanarCoupling as PlanarCoupling,
 )
+from .exact import ExactElement as ExactElement
 from .frame import PlanarFrame as PlanarFrame
 from .items import (
     FunctionLink as FunctionLink,
@@ -18,7 +22,7 @@ from .items import (
     PlanarDamping as PlanarDamping,
     PlanarLoad as PlanarLoad,
     PlanarMass as PlanarMass,
-    PlanarSection as PlanarSection,
+    PlanarMotion as PlanarMotion,
     PlanarSupport as PlanarSupport,
     RigidLink as RigidLink,
 )
@@ -34,6 +38,7 @@ from .results import (
     planar_rest as planar_rest,
     planar_spinning as planar_spinning,
 )
+from .section import PlanarSection as PlanarSection
 from .statics import (
     arc_length as arc_length,
     load_steps as load_steps,

@@ -48,16 +48,28 @@ class Scheme(NamedTuple):
 
     Attributes
     ----------
-    h, c, m, am, af, beta, gamma : float
+    h, am, af, beta, gamma : float
+    c, m : float or (n,) array
     """
 
     h: float
-    c: float
-    m: float
+    c: float | Array
+    m: float | Array
     am: float
     af: float
     beta: float
     gamma: float
+
+    def with_massless(self, system: System) -> Scheme:
+        """Return the scheme in which rotations without mass have rates by BDF2.
+
+        Newton's matrix then has their derivatives ``c = 3/(2 h)`` and ``m = 0``.
+        """
+        if not len(system.massless):
+            return self
+        c, m = np.full(system.size, self.c), np.full(system.size, self.m)
+        c[system.massless], m[system.massless] = 1.5 / self.h, 0.0
+        return self._replace(c=c, m=m)
 
 
 def scheme(method: Method, step: float | None = None) -> Scheme:
@@ -86,6 +98,7 @@ def newton(
     q, v, a = (x.copy() for x in start)
     free = system.free
     grid = free[:, None], free
+    c, m = (x[free] if isinstance(x, np.ndarray) else x for x in (rule.c, rule.m))
     history: list[float] = []
     solves = 0
     while True:
@@ -108,8 +121,8 @@ def newton(
         if dq is None:
             return Outcome(p, False, len(history), solves, history)
         q[free] -= dq
-        v[free] -= rule.c * dq
-        a[free] -= rule.m * dq
+        v[free] -= c * dq
+        a[free] -= m * dq
         if good and convergence.increment is not None:
             if math.sqrt(float(dq @ dq)) <= convergence.increment:
                 # residual of the accepted state, for the results; not counted
@@ -117,24 +130,35 @@ def newton(
                 return Outcome(p, True, len(history), solves, history)
 
 
-def start_accelerations(system: System, q: Array, v: Array, loads: Loads) -> Array:
+def start_accelerations(
+    system: System, q: Array, v: Array, loads: Loads, moved: Array | None = None
+) -> Array:
     """Return the accelerations (n,) by the equations of motion at the start.
+
+    Those of `System.massless` rotations are zero.
+
+    Parameters
+    ----------
+    system : System
+    q, v : (n,) array
+    loads : Loads
+    moved : (n,) array, optional
+        Accelerations of unknowns with a prescribed motion, zero for others.
 
     Raises
     ------
     InputError
         If an unknown has no mass.
     """
-    zero = np.zeros_like(q)
-    p = system.evaluate(q, v, zero, loads)
-    free = system.free
+    a = np.zeros_like(q) if moved is None else moved.copy()
+    p = system.evaluate(q, v, a, loads)
+    free = np.setdiff1d(system.free, system.massless)
     M = (p.slaves.B.T @ system.M @ p.slaves.B)[np.ix_(free, free)]
     bare = [system.names[i] for i, mass in zip(free, np.diag(M), strict=True) if mass <= 0.0]
     if bare:
         listed = ", ".join(bare[:6]) + (", ..." if len(bare) > 6 else "")
         text = f"no mass moves with {listed}; give sections mass and rotary, or a PlanarMass"
         raise InputError(Problem("simulate_planar", text))
-    a = zero.copy()
     a[free] = np.linalg.solve(M, -p.residual[free])
     return a
 
@@ -194,6 +218,7 @@ def simulate_planar(
     problems.raise_if_any()
     convergence = convergence or Convergence()
     system, rule = frame.system, scheme(method)
+    given_start = start is not None
     start = start or planar_rest(frame)
     t0, q, v = start.time, start.q.copy(), start.v.copy()
     steps = int(math.ceil((t_end - t0) / rule.h - 1e-9))
@@ -202,11 +227,16 @@ def simulate_planar(
         raise InputError(Problem("simulate_planar", text))
     if t_end - t0 < (steps - 1e-6) * rule.h:
         rule = scheme(method, (t_end - t0) / steps)
+    rule = rule.with_massless(system)
     loads = system.at_time(t0)
-    a = start_accelerations(system, q, v, loads) if start.a is None else start.a.copy()
+    moved = _start_of_motions(system, t0, q, v, given_start)
+    a = start_accelerations(system, q, v, loads, moved) if start.a is None else start.a.copy()
+    rest = system.massless
     s = a.copy() if start.s is None else start.s.copy()
+    # rotations without mass: s has their mean rate in the last step
+    s[rest] = v[rest] if start.s is None else s[rest]
     records = Records(frame, t0, rule.h, steps)
-    records.add(system.evaluate(q, v, a, loads), s, 0, 0)
+    records.add(system.evaluate(q, v, a, loads), loads, s, 0, 0)
     failure = ""
     history: list[float] = []
     for k in range(1, steps + 1):
@@ -218,15 +248,21 @@ def simulate_planar(
         q1 = q + rule.h * v + rule.h**2 * mean
         v1 = v + rule.h * ((1.0 - rule.gamma) * s + rule.gamma * rest_s)
         q1[records.held], v1[records.held] = q[records.held], 0.0
-        out = newton(system, (q1, v1, np.zeros_like(a)), loads, rule, convergence, inertia_tangents)
+        a1 = np.zeros_like(a)
+        q1[rest], v1[rest] = q[rest] + rule.h * s[rest], s[rest]
+        for i, motion in system.moved:
+            q1[i], v1[i], a1[i] = motion(t)
+        out = newton(system, (q1, v1, a1), loads, rule, convergence, inertia_tangents)
         history = out.history
         if not out.converged:
             failure = _explain(frame, out, t, records, convergence)
             break
+        turned = (out.point.q - q)[rest] / rule.h
         q, v = out.point.q, out.point.v
         s = ((1.0 - rule.af) * out.point.a + rule.af * a - rule.am * s) / (1.0 - rule.am)
         a = out.point.a
-        records.add(out.point, s, out.evaluations, out.solves)
+        s[rest] = turned
+        records.add(out.point, loads, s, out.evaluations, out.solves)
     run = records.run(failure, tuple(history))
     unstable = run.unstable
     if failure and not partial:
@@ -237,6 +273,28 @@ def simulate_planar(
         time, where, ratio = unstable
         warn(where, f"at t = {time:g} s {_instability(ratio)}")
     return run
+
+
+def _start_of_motions(system: System, t0: float, q: Array, v: Array, given: bool) -> Array:
+    """Set the unknowns with prescribed motions in q and v, and return their accelerations (n,).
+
+    Raises
+    ------
+    InputError
+        If a given start contradicts a motion.
+    """
+    problems = Problems()
+    a = np.zeros_like(q)
+    for i, motion in system.moved:
+        found = motion(t0)
+        apart = max(abs(q[i] - found[0]), abs(v[i] - found[1]))
+        if given and not apart <= 1e-9 * (1.0 + max(map(abs, found[:2]))):
+            text = f"{system.names[i]} starts at {q[i]:g} with the rate {v[i]:g}, and its motion "
+            text += f"at {found[0]:g} with {found[1]:g} at t = {t0:g} s; give a start that agrees"
+            problems.add("simulate_planar", text)
+        q[i], v[i], a[i] = found
+    problems.raise_if_any()
+    return a
 
 
 def _instability(ratio: float) -> str:

@@ -1,170 +1,238 @@
-"""Planar two-node Reissner beam elements, all elements of a frame at a time.
+"""Planar beam elements: what an element declares, and its forces, all beams of a kind at a time.
 
-E. Reissner, *ZAMP* 23 (1972) 795-804; J. C. Simo, L. Vu-Quoc, *J. Appl. Mech.* 53 (1986) 849-863;
-in the form of Makinen, Marjamaki and Pajunen, equations 14 to 19: linear shape functions, one point
-of integration for the elastic forces, exact integration of the mass.
+An element is a `PlanarElement`: a class with its options as fields. It gives points of integration
+with four variables z each, linear in the displacements, ``z = T u``, and a `PlanarLaw`: strains
+e(z) with their first and second derivatives. From these follow for all elements
 
-The variables at the midpoint of an element are ``z = [x', y', theta, kappa]``, linear in the
-displacements: ``z = T u + z0``. With c, s the cosine and sine of theta
+    f = sum T^T (de/dz)^T D (e + beta e'),   K = df/du,   C = df/du',   V = sum e^T D e / 2
 
-    eps = x' c + y' s - 1,   gam = y' c - x' s,   kap = theta'                          (17)
-    d eps/dz = [c, s, gam, 0],   d gam/dz = [-s, c, -(1 + eps), 0],   d kap/dz = [0, 0, 0, 1]
-
-and B of eq. 15 is these rows times T. Kelvin-Voigt damping adds ``beta D e'`` to the resultants.
+where D has the stiffness times the weight of each point, and beta is the Kelvin-Voigt damping.
+Displacements of a beam are x, y and rotation of both ends, and its own ones (slopes), which are
+functions of unknowns by a coupling of `jousto.planar.elimination`.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.declare import Declared
+from jousto.base.errors import Problems
+from jousto.planar.elimination import PlanarCoupling
+from jousto.planar.section import PlanarSection
+
 Array = NDArray[Any]
 
 
-class Middle(NamedTuple):
-    """State at the midpoints of the elements.
+class Beams(NamedTuple):
+    """Beams of one element in arrays.
 
     Attributes
     ----------
-    strains, resultants : (ne, 3) array
-        eps, gam, kap (1/m) and N, Q (N), M (N m); resultants with their damping part.
-    rows : (ne, 2, 4) array
-        Derivatives of eps and gam by z.
-    rates : (ne, 2) array
-        Rates of eps and gam, 1/s; zero without damping.
-    turning : (ne,) array
-        Rate of theta, rad/s; zero without damping.
+    chord : (ne, 2) array
+        Vector from end to end in the unloaded frame, m.
+    EA, GA, EI : (ne,) array
+        Stiffness, N, N and N m^2; GA is infinite for a beam without shear deformation.
+    mass, rotary : (ne,) array
+        Mass and rotary inertia per length, kg/m and kg m.
     """
 
+    chord: Array
+    EA: Array
+    GA: Array
+    EI: Array
+    mass: Array
+    rotary: Array
+
+    @property
+    def length(self) -> Array:
+        """Lengths, (ne,), m."""
+        return np.asarray(np.hypot(self.chord[:, 0], self.chord[:, 1]))
+
+    @classmethod
+    def of(cls, chord: Array, sections: list[PlanarSection]) -> Beams:
+        """Return the arrays of beams with their chords and sections."""
+        names = ("EA", "GA", "EI", "mass", "rotary")
+        return cls(chord, *(np.array([getattr(s, name) for s in sections]) for name in names))
+
+
+class PlanarLaw(Protocol):
+    """Interface of the strains of an element at its points of integration.
+
+    Arrays have the shape (ne, points, ...); m is the number of strains of a point.
+    """
+
+    def strains(self, z: Array) -> tuple[Array, Array]:
+        """Return the strains (ne, p, m) and their derivatives by z (ne, p, m, 4)."""
+
+    def seconds(self, z: Array) -> Array:
+        """Return the second derivatives of the strains by z, (ne, p, m, 4, 4)."""
+
+    def means(self, z: Array) -> tuple[Array, Array]:
+        """Return mean eps, gam, kap (1/m) and N, Q (N), M (N m) of each beam, (ne, 3) each."""
+
+
+class Motion(NamedTuple):
+    """Places of the displacements that the own displacements of beams depend on.
+
+    Attributes
+    ----------
+    ends : (ne, 6) array of int
+        x, y, rotation of both ends of each beam.
+    stretches : (ne, 2) array of int
+        Unknown stretch of both ends of each beam; -1 without.
+    size : int
+        Number of displacements of ends and of stretches together.
+    """
+
+    ends: Array
+    stretches: Array
+    size: int
+
+
+class PlanarElement(Declared, by_value=True):
+    """Base of the elements of planar frames; the fields of a kind are its options."""
+
+    word: str = ""
+    """The word that stands for the element with its default options."""
+    own = 0
+    """Number of own displacements of a beam, besides x, y and rotation of its ends."""
+    stretches = False
+    """Whether the stretch of both ends is an unknown."""
+    shear_limit = False
+    """Whether the law has the tension-shear instability of `PlanarSection.limit`."""
+
+    def check(self, problems: Problems, where: str, section: PlanarSection) -> None:
+        """Report a section that the element cannot have."""
+
+    def left_out(self, section: PlanarSection) -> list[str]:
+        """Return what the element leaves out of a section, with the value that says so."""
+        return []
+
+    def points(self, beams: Beams) -> tuple[PlanarLaw, Array, Array]:
+        """Return the law, T (ne, p, 4, 6 + own) and D (ne, p, m) of the points."""
+        raise NotImplementedError
+
+    def masses(self, beams: Beams) -> Array:
+        """Return the mass matrices (ne, 6 + own, 6 + own)."""
+        raise NotImplementedError
+
+    def own_coupling(self, beams: Beams, motion: Motion) -> PlanarCoupling | None:
+        """Return the own displacements (own per beam) as a function of ends and stretches."""
+        return None
+
+
+class GroupState(NamedTuple):
+    """Strains of a group of beams at one state.
+
+    Attributes
+    ----------
+    z : (ne, p, 4) array
+    rate : (ne, p, 4) array or None
+        Rates of z, for the damping.
+    strains, resultants : (ne, p, m) array
+        Strains, and D times strains with their damping part.
+    rows : (ne, p, m, 4) array
+        Derivatives of the strains by z.
+    """
+
+    z: Array
+    rate: Array | None
     strains: Array
     resultants: Array
     rows: Array
-    rates: Array
-    turning: Array
 
 
-def middle(z: Array, D: Array, beta: float = 0.0, rate: Array | None = None) -> Middle:
-    """Return strains and resultants, eqs. 16 and 17.
+@dataclass(frozen=True, eq=False)
+class ElementGroup:
+    """All beams of a frame that have the same element.
 
-    Parameters
+    Attributes
     ----------
-    z : (ne, 4) array
-        x', y', theta (rad), kappa (1/m) at the midpoints.
-    D : (ne, 3) array
-        EA, GA (N) and EI (N m^2).
-    beta : float
-        Stiffness-proportional damping, s.
-    rate : (ne, 4) array, optional
-        Time derivative of z, for the damping.
+    element : PlanarElement
+    members : (ne,) array of int
+        Indices of the beams in the frame.
+    dofs : (ne, k) array of int
+        Indices of the displacements of each beam.
+    law : PlanarLaw
+    T : (ne, p, 4, k) array
+        z of the points from the displacements.
+    D : (ne, p, m) array
+        Stiffness times weight.
     """
-    x, y, th = z[:, 0], z[:, 1], z[:, 2]
-    c, s = np.cos(th), np.sin(th)
-    rows = np.zeros((len(z), 2, 4), dtype=z.dtype)
-    strains = np.empty((len(z), 3), dtype=z.dtype)
-    stretch, gam = x * c + y * s, y * c - x * s
-    strains[:, 0], strains[:, 1], strains[:, 2] = stretch - 1.0, gam, z[:, 3]
-    rows[:, 0, 0] = rows[:, 1, 1] = c
-    rows[:, 0, 1] = s
-    rows[:, 1, 0] = -s
-    rows[:, 0, 2] = gam
-    rows[:, 1, 2] = -stretch
-    if beta == 0.0 or rate is None:
-        none = np.zeros((len(z), 2))
-        return Middle(strains, D * strains, rows, none, none[:, 0])
-    speed = np.empty((len(z), 3), dtype=np.result_type(z, rate))
-    speed[:, :2] = np.einsum("eij,ej->ei", rows, rate)
-    speed[:, 2] = rate[:, 3]
-    return Middle(strains, D * (strains + beta * speed), rows, speed[:, :2], rate[:, 2])
 
+    element: PlanarElement
+    members: Array
+    dofs: Array
+    law: PlanarLaw
+    T: Array
+    D: Array
 
-def gradient(m: Middle) -> Array:
-    """Return the forces on z per length (ne, 4), rows times resultants, eq. 14."""
-    N, Q = m.resultants[:, 0], m.resultants[:, 1]
-    w = m.rows[:, 0] * N[:, None] + m.rows[:, 1] * Q[:, None]
-    w[:, 3] = m.resultants[:, 2]
-    return np.asarray(w)
+    def state(self, u: Array, v: Array, beta: float = 0.0) -> GroupState:
+        """Return strains and resultants for the displacements and velocities of the frame."""
+        z = self._of(u)
+        strains, rows = self.law.strains(z)
+        if beta == 0.0:
+            return GroupState(z, None, strains, self.D * strains, rows)
+        rate = self._of(v)
+        speed = np.einsum("epmj,epj->epm", rows, rate)
+        return GroupState(z, rate, strains, self.D * (strains + beta * speed), rows)
 
+    def _of(self, u: Array) -> Array:
+        return np.asarray(np.einsum("epjk,ek->epj", self.T, u[self.dofs]))
 
-def hessian(m: Middle, D: Array, beta: float = 0.0) -> Array:
-    """Return the derivative of `gradient` by z (ne, 4, 4), eq. 18 per length."""
-    e, g = m.rows[:, 0], m.rows[:, 1]
-    EA, GA = D[:, 0, None, None], D[:, 1, None, None]
-    if beta == 0.0:
-        # material part
-        H = EA * e[:, :, None] * e[:, None, :] + GA * g[:, :, None] * g[:, None, :]
-    else:
-        # damping part: the strain rates depend on z too
-        de, dg = e + beta * _rate_rows(m, 0), g + beta * _rate_rows(m, 1)
-        H = EA * e[:, :, None] * de[:, None, :] + GA * g[:, :, None] * dg[:, None, :]
-    # geometric part: the rows change with theta
-    N, Q = m.resultants[:, 0], m.resultants[:, 1]
-    turn = N[:, None] * g - Q[:, None] * e
-    H[:, :2, 2] += turn[:, :2]
-    H[:, 2, :3] += turn[:, :3]
-    H[:, 3, 3] = D[:, 2]
-    return np.asarray(H)
+    def beam_forces(self, s: GroupState) -> Array:
+        """Return the internal forces of each beam on its displacements, (ne, k)."""
+        w = np.einsum("epm,epmj->epj", s.resultants, s.rows)
+        return np.asarray(np.einsum("epj,epjk->ek", w, self.T))
 
+    def add_force(self, s: GroupState, F: Array) -> None:
+        """Add the internal forces to F, in place."""
+        np.add.at(F, self.dofs, self.beam_forces(s))
 
-def _rate_rows(m: Middle, k: int) -> Array:
-    """Return the derivative by z of the rate of eps (k = 0) or gam (k = 1)."""
-    w = m.turning[:, None]
-    out = w * m.rows[:, 1] if k == 0 else -w * m.rows[:, 0]
-    out[:, 2] = m.rates[:, 1] if k == 0 else -m.rates[:, 0]
-    return np.asarray(out)
+    def add_stiffness(self, s: GroupState, beta: float, K: Array) -> None:
+        """Add the derivative of the internal forces by the displacements, in place."""
+        second = self.law.seconds(s.z)
+        rows = s.rows
+        if s.rate is not None:
+            # the strain rates depend on z too
+            rows = rows + beta * np.einsum("epmij,epj->epmi", second, s.rate)
+        H = np.einsum("epmi,epm,epmj->epij", s.rows, self.D, rows)
+        H = H + np.einsum("epm,epmij->epij", s.resultants, second)
+        self._add(H, K)
 
+    def add_damping(self, s: GroupState, beta: float, C: Array) -> None:
+        """Add the derivative of the internal forces by the velocities, in place."""
+        self._add(beta * np.einsum("epmi,epm,epmj->epij", s.rows, self.D, s.rows), C)
 
-def viscous(m: Middle, D: Array, beta: float) -> Array:
-    """Return the derivative of `gradient` by the rate of z, (ne, 4, 4)."""
-    e, g = m.rows[:, 0], m.rows[:, 1]
-    EA, GA = D[:, 0, None, None], D[:, 1, None, None]
-    C = beta * (EA * e[:, :, None] * e[:, None, :] + GA * g[:, :, None] * g[:, None, :])
-    C[:, 3, 3] = beta * D[:, 2]
-    return np.asarray(C)
+    def _add(self, H: Array, K: Array) -> None:
+        of_beams = (self.T.transpose(0, 1, 3, 2) @ H @ self.T).sum(axis=1)
+        np.add.at(K, (self.dofs[:, :, None], self.dofs[:, None, :]), of_beams)
 
+    def energy(self, s: GroupState) -> float:
+        """Return the strain energy, J."""
+        return 0.5 * float(np.sum(self.D * s.strains**2))
 
-def shape_matrix(length: Array, dofs: Array, size: int) -> Array:
-    """Return T (4 ne, size) from the displacements of all slaves to z of all elements.
+    def dissipation(self, s: GroupState, beta: float) -> float:
+        """Return the power that the damping dissipates, W."""
+        if s.rate is None:
+            return 0.0
+        speed = np.einsum("epmj,epj->epm", s.rows, s.rate)
+        return beta * float(np.sum(self.D * speed**2))
 
-    Parameters
-    ----------
-    length : (ne,) array
-        Lengths of the elements, m.
-    dofs : (ne, 6) array of int
-        Indices of x, y, rotation of both ends among the slaves.
-    size : int
-        Number of slave displacements.
-    """
-    ne = len(length)
-    T = np.zeros((ne, 4, size))
-    e, L = np.arange(ne), np.asarray(length)
-    for row, (a, b) in {0: (0, 3), 1: (1, 4), 3: (2, 5)}.items():
-        T[e, row, dofs[:, a]] = -1.0 / L
-        T[e, row, dofs[:, b]] += 1.0 / L
-    T[e, 2, dofs[:, 2]] = 0.5
-    T[e, 2, dofs[:, 5]] += 0.5
-    return T.reshape(4 * ne, size)
+    def free_motions(self) -> int:
+        """Return the number of motions of a free beam without energy, besides rigid ones.
 
-
-def mass_matrix(mass: Array, rotary: Array, dofs: Array, size: int) -> Array:
-    """Return the mass matrix of all elements, eq. 19, (size, size).
-
-    Parameters
-    ----------
-    mass : (ne,) array
-        Masses of the elements, kg.
-    rotary : (ne,) array
-        Rotary inertia ``m i^2`` of the elements, kg m^2.
-    dofs, size :
-        As in `shape_matrix`.
-    """
-    M = np.zeros((size, size))
-    for m, J, d in zip(mass, rotary, dofs, strict=True):
-        for c, value in enumerate((m, m, J)):
-            a, b = d[c], d[c + 3]
-            M[a, a] += value / 3.0
-            M[b, b] += value / 3.0
-            M[a, b] += value / 6.0
-            M[b, a] += value / 6.0
-    return M
+        The rank of the strains by the displacements, for the first beam, straight and unloaded.
+        """
+        none = np.zeros((len(self.T), self.T.shape[1], 4))
+        rows = self.law.strains(none)[1][0] @ self.T[0]
+        rows = rows[self.D[0] > 0.0]
+        # columns by their size, then rows, so that units have no effect
+        used = np.abs(rows).max(axis=0) > 0.0
+        rows = rows[:, used] / np.linalg.norm(rows[:, used], axis=0)
+        rows = rows / np.linalg.norm(rows, axis=1)[:, None]
+        return int(used.sum() - np.linalg.matrix_rank(rows, tol=1e-9) - 3)

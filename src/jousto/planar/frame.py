@@ -6,22 +6,15 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
-from jousto.base.errors import Problems, suggest, warn
+from jousto.base.errors import Problems, count, suggest, warn
 from jousto.base.object_repr import described
-from jousto.planar.element import mass_matrix, shape_matrix
-from jousto.planar.elimination import (
-    ArmCoupling,
-    BlockCoupling,
-    ChainCoupling,
-    Elimination,
-    FunctionCoupling,
-    LinearCoupling,
-    PlanarCoupling,
-)
+from jousto.planar.assembly import assemble, masters
+from jousto.planar.element import PlanarElement
+from jousto.planar.elements import find_element
 from jousto.planar.items import (
     FunctionLink,
     LinearLink,
@@ -31,19 +24,21 @@ from jousto.planar.items import (
     PlanarDamping,
     PlanarLoad,
     PlanarMass,
+    PlanarMotion,
     PlanarSupport,
     RigidLink,
-    vector,
+    Signal,
 )
 from jousto.planar.system import Array, System
 
 WHERE = "PlanarFrame"
+AXES = ("x", "y", "rotation")
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class PlanarFrame:
-    """Geometrically exact beams in a plane (Reissner), with any master-slave coupling.
+    """Beams that bend and turn by any amount in a plane, with any master-slave coupling.
 
     Parameters
     ----------
@@ -59,6 +54,13 @@ class PlanarFrame:
     damping : PlanarDamping
     gravity : (float, float)
         Gravitational acceleration, m/s^2.
+    gravity_signal : function, optional
+        Factor of the gravity as a function of time, s, in dynamics; None is 1.
+    motions : sequence of PlanarMotion
+        Prescribed motions of nodes in dynamics.
+    element : {"exact", "corotational", "ancf"} or PlanarElement
+        Element of the beams that have none of their own: a word for default options, or an
+        `ExactElement`, `CorotationalElement` or `AncfElement` with its options.
 
     Raises
     ------
@@ -69,7 +71,9 @@ class PlanarFrame:
     Warns
     -----
     JoustoWarning
-        If a section is thicker than its beam is long, probably by different units of EI and EA.
+        If a section is thicker than its beam is long, probably by different units of EI and EA;
+        if an element leaves out shear or rotary inertia that a section has; if an element has
+        motions without energy.
 
     Examples
     --------
@@ -98,6 +102,9 @@ class PlanarFrame:
     masses: Sequence[PlanarMass] = ()
     damping: PlanarDamping = PlanarDamping()
     gravity: tuple[float, float] = (0.0, 0.0)
+    gravity_signal: Signal | None = None
+    motions: Sequence[PlanarMotion] = ()
+    element: str | PlanarElement = "exact"
 
     def __post_init__(self) -> None:
         problems = Problems()
@@ -107,6 +114,7 @@ class PlanarFrame:
             ("loads", PlanarLoad),
             ("links", (RigidLink, LinearLink, FunctionLink)),
             ("masses", PlanarMass),
+            ("motions", PlanarMotion),
         )
         for name, kind in kinds:
             given = getattr(self, name)
@@ -129,24 +137,62 @@ class PlanarFrame:
         problems.array(WHERE, "gravity", self.gravity, (2,))
         if not self.beams:
             problems.add(WHERE, "has no beams; give one or more")
+        object.__setattr__(self, "_elements", self._find_elements(problems))
         for place, key in self._mentioned():
             if key not in named:
                 problems.add(place, f"no node {key!r}{suggest(key, [str(k) for k in named])}")
         if not problems.found:
             self._check_items(problems)
             self._check_links(problems)
+            self._check_motions(problems)
         problems.raise_if_any()
+        self._warn_of_elements()
+
+    def _find_elements(self, problems: Problems) -> tuple[PlanarElement, ...]:
+        """Return the element of each beam, and report unknown ones and unfit sections."""
+        usual = find_element(problems, WHERE, self.element)
+        found = []
+        for i, beam in enumerate(self.beams):
+            where = self.beam_name(i)
+            own = beam.element
+            found.append(usual if own is None else find_element(problems, where, own))
+            found[-1].check(problems, where, beam.section)
+        signal: object = self.gravity_signal
+        if signal is not None and not callable(signal):
+            text = f"gravity_signal is {signal!r}, must be a function of the time in s"
+            problems.add(WHERE, text)
+        return tuple(found)
+
+    def element_of(self, i: int) -> PlanarElement:
+        """Return the element of a beam, with its options."""
+        return cast("tuple[PlanarElement, ...]", vars(self)["_elements"])[i]
+
+    def _warn_of_elements(self) -> None:
+        """Warn of parts of sections without effect, and of motions without energy."""
+        for i, beam in enumerate(self.beams):
+            missing = self.element_of(i).left_out(beam.section)
+            if missing:
+                kind = self.element_of(i).word
+                text = f"element '{kind}' leaves out {' and '.join(missing)} of its section"
+                warn(self.beam_name(i), f"{text}; PlanarSection.slender has neither")
+                break
+        for group in self.system.groups:
+            loose = group.free_motions()
+            if loose:
+                text = f"{group.element!r} leaves {count(loose, 'motion')} of a free beam without "
+                text += "energy, besides rigid ones; use other points of integration"
+                warn(self.beam_name(int(group.members[0])), text)
 
     def _mentioned(self) -> Iterator[tuple[str, Node]]:
         """Yield the location and the name of every reference to a node."""
         for i, beam in enumerate(self.beams):
             yield self.beam_name(i), beam.a
             yield self.beam_name(i), beam.b
-        for name in ("supports", "loads", "masses"):
+        for name in ("supports", "loads", "masses", "motions"):
             for i, item in enumerate(getattr(self, name)):
                 yield f"{name}[{i}]", item.node
         for i, link in enumerate(self.links):
-            for key in (*_masters(link), *link.nodes):
+            for key in (*masters(link), *link.nodes):
                 yield f"links[{i}]", key
 
     def beam_name(self, i: int) -> str:
@@ -186,6 +232,25 @@ class PlanarFrame:
                 value, wanted = getattr(mass, name), "zero or a positive number"
                 problems.number(f"masses[{i}]", name, value, unit, wanted, lambda x: x >= 0.0)
 
+    def _check_motions(self, problems: Problems) -> None:
+        """Report motions that are no functions, of supported nodes, and of slaves."""
+        held = {(s.node, c) for s in self.supports for c in AXES if getattr(s, c)}
+        slaves = {key: i for i, link in enumerate(self.links) for key in link.nodes}
+        for i, motion in enumerate(self.motions):
+            where = f"motions[{i}]"
+            given = [c for c in AXES if getattr(motion, c) is not None]
+            if not given:
+                problems.add(where, "moves nothing; give x, y or rotation")
+            if motion.node in slaves:
+                text = f"node {motion.node!r} is a slave of links[{slaves[motion.node]}]"
+                problems.add(where, f"{text}; move its master instead")
+            for c in given:
+                if (motion.node, c) in held:
+                    text = f"{c} of node {motion.node!r} is supported or moved twice"
+                    problems.add(where, f"{text}; keep one of both")
+                held.add((motion.node, c))
+                _check_motion(problems, where, c, getattr(motion, c))
+
     def _check_links(self, problems: Problems) -> None:
         owner: dict[Node, int] = {}
         for i, link in enumerate(self.links):
@@ -195,7 +260,7 @@ class PlanarFrame:
                     problems.add(f"links[{i}]", f"{text}; a node has one master")
                 owner[key] = i
         for i, link in enumerate(self.links):
-            for key in _masters(link):
+            for key in masters(link):
                 if key in owner:
                     text = f"master {key!r} is itself a slave of links[{owner[key]}]"
                     problems.add(f"links[{i}]", f"{text}; link to that one's master")
@@ -237,118 +302,16 @@ class PlanarFrame:
         return assemble(self)
 
 
-def _masters(link: Link) -> tuple[Node, ...]:
-    return (link.master,) if isinstance(link, RigidLink) else tuple(link.masters)
-
-
-def assemble(frame: PlanarFrame) -> System:
-    """Return the equations of a frame."""
-    names = list(frame.nodes)
-    place = {key: i for i, key in enumerate(names)}
-    count = len(names)
-    where = np.array([frame.nodes[key] for key in names])
-
-    # displacements u: nodes, then the different ends of offset beams
-    ends: dict[tuple[int, float, float], int] = {}
-    dofs = np.zeros((len(frame.beams), 6), dtype=int)
-    for e, beam in enumerate(frame.beams):
-        for k, (key, offset) in enumerate(((beam.a, beam.offset_a), (beam.b, beam.offset_b))):
-            X, Y = float(offset[0]), float(offset[1])
-            index = place[key]
-            if X or Y:
-                index = ends.setdefault((index, X, Y), count + len(ends))
-            dofs[e, 3 * k : 3 * k + 3] = 3 * index + np.arange(3)
-    size = 3 * (count + len(ends))
-
-    coupling, unknowns = _links(frame, place, where)
-    if ends:
-        master = np.array([k[0] for k in ends])
-        arms = np.array([k[1:] for k in ends])
-        # nodes are ends with arms of length zero
-        every = np.concatenate([np.arange(count), master])
-        offsets: PlanarCoupling = ArmCoupling(
-            count, every, np.concatenate([np.zeros((count, 2)), arms])
-        )
-        coupling = offsets if coupling is None else ChainCoupling(offsets, coupling)
-    if coupling is None:
-        coupling = LinearCoupling(np.eye(3 * count))
-
-    # elements
-    a = np.array([frame.ends(e)[0] for e in range(len(frame.beams))])
-    b = np.array([frame.ends(e)[1] for e in range(len(frame.beams))])
-    d = b - a
-    length = np.hypot(d[:, 0], d[:, 1])
-    sections = [beam.section for beam in frame.beams]
-    z0 = np.zeros((len(a), 4))
-    z0[:, :2] = d / length[:, None]
-    z0[:, 2] = np.arctan2(d[:, 1], d[:, 0])
-    M = mass_matrix(
-        length * [s.mass for s in sections], length * [s.rotary for s in sections], dofs, size
-    )
-    for item in frame.masses:
-        k = 3 * place[item.node]
-        M[range(k, k + 3), range(k, k + 3)] += (item.mass, item.mass, item.inertia)
-    g = np.zeros(size)
-    g[0::3], g[1::3] = frame.gravity
-
-    held = set()
-    label = [f"{'xyr'[c]} of node {names[i]!r}" for i in range(count) for c in range(3)]
-    column = {name: i for i, name in enumerate(unknowns)}
-    for support in frame.supports:
-        for c, hold in enumerate((support.x, support.y, support.rotation)):
-            if hold:
-                held.add(column[label[3 * place[support.node] + c]])
-    return System(
-        elimination=Elimination(coupling),
-        free=np.array([i for i in range(len(unknowns)) if i not in held], dtype=int),
-        names=tuple(unknowns),
-        T=shape_matrix(length, dofs, size),
-        z0=z0.ravel(),
-        length=length,
-        D=np.array([(s.EA, s.GA, s.EI) for s in sections]),
-        M=M,
-        loads=tuple((load, 3 * place[load.node]) for load in frame.loads),
-        weight=M @ g,
-        alpha=frame.damping.mass,
-        beta=frame.damping.stiffness,
-        count=count,
-    )
-
-
-def _links(
-    frame: PlanarFrame, place: dict[Any, int], where: Array
-) -> tuple[PlanarCoupling | None, list[str]]:
-    """Return the coupling from unknowns to displacements of nodes, and the unknowns' names."""
-    names = list(frame.nodes)
-    label = [f"{'xyr'[c]} of node {key!r}" for key in names for c in range(3)]
-    if not frame.links:
-        return None, label
-    slaves: set[int] = set()
-    for link in frame.links:
-        width = 2 if isinstance(link, RigidLink) and not link.rotation else 3
-        slaves |= {3 * place[key] + c for key in link.nodes for c in range(width)}
-    kept = [i for i in range(len(label)) if i not in slaves]
-    column = {i: k for k, i in enumerate(kept)}
-    unknowns = [label[i] for i in kept]
-    blocks: list[tuple[Array, Array, PlanarCoupling]] = []
-    identity = np.eye(len(kept))
-    blocks.append((np.array(kept), np.arange(len(kept)), LinearCoupling(identity)))
-    for i, link in enumerate(frame.links):
-        masters = (link.master,) if isinstance(link, RigidLink) else link.masters
-        columns = [column[3 * place[key] + c] for key in masters for c in range(3)]
-        width = 2 if isinstance(link, RigidLink) and not link.rotation else 3
-        rows = np.array([3 * place[key] + c for key in link.nodes for c in range(width)])
-        part: PlanarCoupling
-        if isinstance(link, RigidLink):
-            arms = np.array([where[place[k]] - where[place[link.master]] for k in link.nodes])
-            part = ArmCoupling(1, np.zeros(len(arms), dtype=int), arms, link.rotation)
-        elif isinstance(link, LinearLink):
-            part = LinearCoupling(vector(link.T), 0.0 if link.u0 is None else vector(link.u0))
-        else:
-            own = [f"{name} of links[{i}]" for name in link.coordinates]
-            columns += [len(unknowns) + k for k in range(len(own))]
-            unknowns += own
-            part = FunctionCoupling(link.function, len(rows), len(columns))
-        blocks.append((rows, np.array(columns), part))
-    assert all(isinstance(x, (RigidLink, LinearLink, FunctionLink)) for x in frame.links)
-    return BlockCoupling((len(label), len(unknowns)), blocks), unknowns
+def _check_motion(problems: Problems, where: str, axis: str, function: object) -> None:
+    """Report a motion that does not return value, rate and second rate at t = 0."""
+    wanted = "must be a function of the time in s that returns value, rate and second rate"
+    if not callable(function):
+        problems.add(where, f"{axis} is {function!r}, {wanted}")
+        return
+    try:
+        found = np.asarray(function(0.0), dtype=float)
+    except Exception as error:
+        problems.add(where, f"{axis} fails at t = 0: {error}; it {wanted}")
+        return
+    if found.shape != (3,) or not np.isfinite(found).all():
+        problems.add(where, f"{axis} returns {found!r} at t = 0; it {wanted}")

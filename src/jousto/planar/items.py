@@ -1,90 +1,20 @@
-"""Items of a planar frame: sections, beams, supports, loads, masses and links."""
+"""Items of a planar frame: beams, supports, motions, loads, masses and links."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from jousto.base.declare import Declared
-from jousto.base.errors import Problems
-from jousto.base.fields import field
-from jousto.base.numbers import Number, Positive
 from jousto.materials.damping import ProportionalDamping
-from jousto.materials.material import Material
-from jousto.sections.section import Section
+from jousto.planar.element import PlanarElement
+from jousto.planar.section import PlanarSection
 
 Node = Hashable
 Signal = Callable[[float], float]
-NOT_NEGATIVE = "zero or a positive number"
-
-
-class PlanarSection(Declared, by_value=True):
-    """Stiffness and mass of a beam in its plane: ``[N, Q, M] = [EA eps, GA gam, EI kap]``.
-
-    Raises
-    ------
-    InputError
-        With all values that are not positive (mass and rotary: not negative).
-
-    Examples
-    --------
-    >>> PlanarSection(EA=2.8e7, GA=1e7, EI=1.4e4, mass=1.2, rotary=6e-4).limit
-    15555555.6
-    """
-
-    EA: Positive = field("Axial stiffness", unit="N")
-    GA: Positive = field("Shear stiffness with its shear coefficient", unit="N")
-    EI: Positive = field("Bending stiffness", unit="N m^2")
-    mass: Number = field("Mass per length", unit="kg/m", least=0, wanted=NOT_NEGATIVE, default=0.0)
-    rotary: Number = field(
-        "Rotary inertia per length, rho I", unit="kg m", least=0, wanted=NOT_NEGATIVE, default=0.0
-    )
-
-    @classmethod
-    def of(cls, section: Section, material: Material, *, GA: float | None = None) -> PlanarSection:
-        """Return the planar section of a section in bending about its z axis.
-
-        Parameters
-        ----------
-        section : Section
-            `Rectangle`, `Circle` and others, with y in the plane of the frame.
-        material : Material
-        GA : float, optional
-            Shear stiffness, N; the default is the shear area ``ky A`` times G.
-
-        Raises
-        ------
-        InputError
-            If the section has no shear coefficient and no GA is given.
-        """
-        if GA is None:
-            problems = Problems()
-            if section.ky is None:
-                text = "has no shear coefficient ky; give PlanarSection.of(..., GA=) in N"
-                problems.add(type(section).__name__, text)
-            problems.raise_if_any()
-            GA = (section.ky or 0.0) * section.A * material.G
-        rho = material.rho
-        return cls(
-            EA=material.E * section.A,
-            GA=GA,
-            EI=material.E * section.Iz,
-            mass=rho * section.A,
-            rotary=rho * section.Iz,
-        )
-
-    @property
-    def limit(self) -> float:
-        """Largest stable axial force, N: ``GA / (1 - GA / EA)``; infinite for GA >= EA.
-
-        Above this limit a stretched beam reduces its energy by a rotation of its cross sections.
-        This tension-shear instability is a property of the linear law, not of real materials.
-        """
-        return math.inf if self.GA >= self.EA else self.GA / (1.0 - self.GA / self.EA)
+Prescribed = Callable[[float], tuple[float, float, float]]
 
 
 @dataclass(frozen=True)
@@ -101,6 +31,8 @@ class PlanarBeam:
         frame. The end is rigidly connected to the node (eqs. 20 to 25).
     name : str
         Name in messages and results.
+    element : {"exact", "corotational", "ancf"} or PlanarElement, optional
+        Element of this beam; the default is that of the frame.
     """
 
     a: Node
@@ -109,6 +41,7 @@ class PlanarBeam:
     offset_a: tuple[float, float] = (0.0, 0.0)
     offset_b: tuple[float, float] = (0.0, 0.0)
     name: str = ""
+    element: str | PlanarElement | None = None
 
 
 @dataclass(frozen=True)
@@ -126,6 +59,30 @@ class PlanarSupport:
     x: bool = True
     y: bool = True
     rotation: bool = False
+
+
+@dataclass(frozen=True)
+class PlanarMotion:
+    """Prescribed motion of a node in dynamics.
+
+    Parameters
+    ----------
+    node : node
+    x, y, rotation : function, optional
+        Displacement (m, rad) as a function of time, s, that returns its value, rate and second
+        rate. None leaves it free.
+
+    Examples
+    --------
+    A hub that turns by ``0.5 w t^2``:
+
+    >>> hub = PlanarMotion(0, rotation=lambda t: (0.5 * 3.0 * t**2, 3.0 * t, 3.0))
+    """
+
+    node: Node
+    x: Prescribed | None = None
+    y: Prescribed | None = None
+    rotation: Prescribed | None = None
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.object_repr import described
 from jousto.planar.frame import PlanarFrame
-from jousto.planar.system import Point
+from jousto.planar.system import Loads, Point
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,12 +65,9 @@ def planar_spinning(
     v = np.zeros((len(frame.nodes), 3))
     r = np.array(list(frame.nodes.values())) - np.asarray(about)
     v[:, 0], v[:, 1], v[:, 2] = -speed * r[:, 1], speed * r[:, 0], speed
-    return PlanarState(np.zeros(v.size), v.ravel())
-
-
-def _ratios(D: Array, resultants: Any) -> Array:
-    EA, GA = D[:, 0], D[:, 1]
-    return np.asarray(np.real(resultants[..., 0]) * (EA - GA) / (EA * GA))
+    # stretches do not change
+    rest = np.zeros(frame.system.size - v.size)
+    return PlanarState(np.zeros(frame.system.size), np.concatenate([v.ravel(), rest]))
 
 
 class Records:
@@ -83,7 +80,8 @@ class Records:
         self.v: list[Array] = []
         self.a: list[Array] = []
         self.u: list[tuple[Array, Array, Array]] = []
-        self.strains: list[Array] = []
+        self.strains: list[tuple[Array, Array]] = []
+        self.powers: list[tuple[float, float]] = []
         self.counts: list[tuple[int, int]] = []
         self.energies: list[tuple[float, float]] = []
         self.s: Array | None = None
@@ -93,19 +91,20 @@ class Records:
 
     def ratios(self, resultants: Any) -> Array:
         """Return the axial force of each element over its stability limit, (ne,)."""
-        return _ratios(self.system.D, resultants)
+        return np.asarray(resultants[:, 0] / self.system.limits)
 
-    def add(self, p: Point, s: Array, evaluations: int, solves: int) -> None:
+    def add(self, p: Point, loads: Loads, s: Array, evaluations: int, solves: int) -> None:
         """Append one step."""
         self.q.append(p.q)
         self.v.append(p.v)
         self.a.append(p.a)
         self.u.append((p.slaves.u, p.slaves.v, p.slaves.a))
-        self.strains.append(p.middle.strains)
+        self.strains.append(self.system.means(p))
+        self.powers.append(self.system.powers(p, loads))
         self.counts.append((evaluations, solves))
         self.energies.append(self.system.energies(p))
         self.s = s
-        ratio = self.ratios(p.middle.resultants)
+        ratio = self.ratios(self.strains[-1][1])
         i = int(ratio.argmax())
         if ratio[i] > self.largest_ratio:
             self.largest_ratio, self.worst_element = float(ratio[i]), i
@@ -121,6 +120,10 @@ class Records:
         counts = np.array(self.counts)
         n = 3 * self.system.count
         motion = np.array(self.u)[:, :, :n].reshape(len(self.u), 3, -1, 3)
+        strains = np.array(self.strains)
+        powers = np.array(self.powers)
+        works = np.zeros_like(powers)
+        works[1:] = np.cumsum(0.5 * self.step * (powers[1:] + powers[:-1]), axis=0)
         return PlanarRun(
             frame=self.frame,
             time=np.asarray(self.t0 + self.step * np.arange(len(self.q)), dtype=np.float64),
@@ -130,10 +133,12 @@ class Records:
             displacements=motion[:, 0],
             velocities=motion[:, 1],
             accelerations=motion[:, 2],
-            strains=np.array(self.strains),
+            strains=strains[:, 0],
+            resultants=strains[:, 1],
             evaluations=counts[:, 0],
             solves=counts[:, 1],
             energies=np.array(self.energies),
+            works=works,
             unstable=unstable,
             failure=failure,
             last_residuals=history,
@@ -147,17 +152,13 @@ class Shapes:
     frame: PlanarFrame
     displacements: Array
     strains: Array
+    resultants: Array
 
     @property
     def positions(self) -> Array:
         """Positions of the nodes, (nt, nodes, 2), m."""
         unloaded = np.array(list(self.frame.nodes.values()), dtype=float)
         return np.asarray(unloaded + self.displacements[:, :, :2])
-
-    @property
-    def resultants(self) -> Array:
-        """N, Q (N), M (N m) at the midpoints of the elements (nt, ne, 3), without damping."""
-        return np.asarray(self.strains * self.frame.system.D)
 
     def node(self, name: object) -> int:
         """Return the index of a node in the arrays.
@@ -189,11 +190,16 @@ class PlanarRun(Shapes):
     displacements, velocities, accelerations : (nt, nodes, 3) array
         x, y (m, m/s, m/s^2) and rotation (rad, rad/s, rad/s^2) of the nodes.
     strains : (nt, ne, 3) array
-        eps, gam, kap (1/m) at the midpoints of the elements.
+        eps, gam, kap (1/m) of the beams: of exact elements at the midpoint, of others the mean.
+    resultants : (nt, ne, 3) array
+        N, Q (N), M (N m) of the beams, as the strains, without damping.
     evaluations, solves : (nt,) array of int
         Numbers of residuals and linear systems of each step; zero for the start.
     energies : (nt, 2) array
         Kinetic and strain energy, J.
+    works : (nt, 2) array
+        Work of loads, gravity and prescribed motions, and work lost in damping, J, since the start;
+        powers are integrated by the trapezoidal rule.
     unstable : (float, str, float) or None
         First instant at which a beam exceeds its limit of tension-shear stability, its name, and
         the largest ratio to the limit in the run.
@@ -214,9 +220,11 @@ class PlanarRun(Shapes):
     velocities: Array
     accelerations: Array
     strains: Array
+    resultants: Array
     evaluations: NDArray[np.int_]
     solves: NDArray[np.int_]
     energies: Array
+    works: Array
     unstable: tuple[float, str, float] | None
     failure: str
     last_residuals: tuple[float, ...]
@@ -226,6 +234,14 @@ class PlanarRun(Shapes):
     def steps(self) -> int:
         """Number of converged steps."""
         return len(self.time) - 1
+
+    @property
+    def balance(self) -> Array:
+        """Energy balance (nt,), J: kinetic and strain energy, minus supplied and plus lost work.
+
+        It is constant for an exact solution; its drift is of the order of the method.
+        """
+        return np.asarray(self.energies.sum(axis=1) - self.works[:, 0] + self.works[:, 1])
 
     @property
     def complete(self) -> bool:
@@ -254,12 +270,16 @@ class PlanarPath(Shapes):
     displacements : (nt, nodes, 3) array
         x, y (m) and rotation (rad) of the nodes.
     strains : (nt, ne, 3) array
-        eps, gam, kap (1/m) at the midpoints of the elements.
+        eps, gam, kap (1/m) of the beams: of exact elements at the midpoint, of others the mean.
+    resultants : (nt, ne, 3) array
+        N, Q (N), M (N m) of the beams, as the strains, without damping.
     negative : (nt,) array of int
         Number of negative eigenvalues of the tangent: 0 for a stable equilibrium under
         conservative loads; a change indicates a limit or bifurcation point.
     residuals : tuple of tuples of float
         Residuals of Newton's iteration at each point.
+    solves : (nt,) array of int
+        Numbers of linear systems of each point, including those of steps that were halved.
     """
 
     frame: PlanarFrame
@@ -267,8 +287,10 @@ class PlanarPath(Shapes):
     q: Array
     displacements: Array
     strains: Array
+    resultants: Array
     negative: NDArray[np.int_]
     residuals: tuple[tuple[float, ...], ...]
+    solves: NDArray[np.int_]
 
     def state(self, k: int = -1) -> PlanarState:
         """Return an equilibrium as the start of a run."""

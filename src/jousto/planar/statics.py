@@ -24,6 +24,7 @@ class _Equilibrium(NamedTuple):
     factor: float
     point: Point
     history: tuple[float, ...]
+    solves: int = 0
 
 
 def load_steps(
@@ -65,6 +66,7 @@ def load_steps(
     assert values is not None
     convergence = convergence or Convergence()
     system = frame.system
+    _refuse_motions(system)
     q = np.zeros(system.size) if start is None else start.q.copy()
     if start is None:
         _check_supports(system)
@@ -130,6 +132,7 @@ def arc_length(
     problems.raise_if_any()
     convergence = convergence or Convergence(max_iterations=12)
     system = frame.system
+    _refuse_motions(system)
     _check_supports(system)
     free, sign = system.free, math.copysign(1.0, first)
     weight = np.array(
@@ -194,7 +197,7 @@ def _newton(system: System, q0: Array, factor: float, convergence: Convergence) 
     for _ in range(convergence.max_iterations + 1):
         p = _at(system, q, factor)
         history.append(float(np.linalg.norm(p.residual[system.free])))
-        out = _Equilibrium(factor, p, tuple(history))
+        out = _Equilibrium(factor, p, tuple(history), len(history) - 1)
         if not math.isfinite(history[-1]) or _good(system, out, convergence):
             return out
         dq = solve(_stiffness(system, p, factor), p.residual[system.free])
@@ -202,7 +205,7 @@ def _newton(system: System, q0: Array, factor: float, convergence: Convergence) 
             return out
         q = q.copy()
         q[system.free] -= dq
-    return _Equilibrium(factor, p, tuple(history))
+    return _Equilibrium(factor, p, tuple(history), len(history))
 
 
 def _reach(
@@ -210,10 +213,12 @@ def _reach(
 ) -> _Equilibrium:
     """Return the equilibrium at the end of a load step, which is halved where it fails."""
     last, factor = span
-    aim, step = factor, factor - last
+    aim, step, solves = factor, factor - last, 0
     shortest = SHORTEST * abs(step)
     while True:
         out = _newton(system, q, aim, convergence)
+        solves += out.solves
+        out = out._replace(solves=solves)
         if out.history and _good(system, out, convergence):
             if aim == factor:
                 return out
@@ -259,7 +264,7 @@ def _corrected(
         p = _at(system, q, factor)
         r = p.residual[free]
         history.append(float(np.linalg.norm(r)))
-        out = _Equilibrium(factor, p, tuple(history))
+        out = _Equilibrium(factor, p, tuple(history), len(history) - 1)
         d = weight * (q - q0)[free]
         gap = float(d @ d) - s * s
         if abs(gap) <= 1e-8 * s * s and _good(system, out, convergence):
@@ -286,6 +291,7 @@ def _path(frame: PlanarFrame, found: list[_Equilibrium]) -> PlanarPath:
         K = _stiffness(system, item.point, item.factor)
         negative.append(int(np.sum(np.linalg.eigvalsh(0.5 * (K + K.T)) < 0.0)))
     n = 3 * system.count
+    means = np.array([system.means(item.point) for item in found])
     return PlanarPath(
         frame=frame,
         factors=np.array([item.factor for item in found]),
@@ -293,10 +299,20 @@ def _path(frame: PlanarFrame, found: list[_Equilibrium]) -> PlanarPath:
         displacements=np.array([item.point.slaves.u[:n] for item in found]).reshape(
             len(found), -1, 3
         ),
-        strains=np.array([item.point.middle.strains for item in found]),
+        strains=means[:, 0],
+        resultants=means[:, 1],
         negative=np.array(negative),
         residuals=tuple(item.history for item in found),
+        solves=np.array([item.solves for item in found]),
     )
+
+
+def _refuse_motions(system: System) -> None:
+    """Raise an InputError for frames with prescribed motions, which have no load factor."""
+    if system.moved:
+        names = ", ".join(system.names[i] for i, _ in system.moved)
+        text = f"has prescribed motions ({names}), functions of the time that statics does not have"
+        raise InputError(Problem("PlanarFrame", f"{text}; use PlanarSupport, or simulate_planar"))
 
 
 def _check_supports(system: System) -> None:
@@ -314,9 +330,12 @@ def _check_supports(system: System) -> None:
     loose = values < 1e-12
     if loose.any():
         k = int(np.argmax(np.abs(vectors[:, 0] / d)))
+        remedy = "add PlanarSupport"
+        if any(group.free_motions() for group in system.groups):
+            remedy += ", or choose other points of integration of the element"
         text = (
             f"the frame can move without force in {int(loose.sum())} ways; "
-            f"{system.names[system.free[k]]} moves most; add PlanarSupport"
+            f"{system.names[system.free[k]]} moves most; {remedy}"
         )
         raise InputError(Problem("PlanarFrame", text))
 
@@ -345,7 +364,13 @@ def planar_frequencies(
     q, factor = (np.zeros(system.size), 0.0) if path is None else (path.q[k], path.factors[k])
     p = _at(system, q, float(factor))
     K = _stiffness(system, p, float(factor))
-    grid = np.ix_(system.free, system.free)
-    M = (p.slaves.B.T @ system.M @ p.slaves.B)[grid]
-    values = eigh(0.5 * (K + K.T), M, eigvals_only=True)
+    K = 0.5 * (K + K.T)
+    M = (p.slaves.B.T @ system.M @ p.slaves.B)[np.ix_(system.free, system.free)]
+    # rotations without mass follow the others (static condensation, exact for them)
+    rest = np.isin(system.free, system.massless)
+    if rest.any():
+        follow = np.linalg.solve(K[np.ix_(rest, rest)], K[np.ix_(rest, ~rest)])
+        K = K[np.ix_(~rest, ~rest)] - K[np.ix_(~rest, rest)] @ follow
+        M = M[np.ix_(~rest, ~rest)]
+    values = eigh(K, M, eigvals_only=True)
     return np.asarray(np.sign(values) * np.sqrt(np.abs(values)) / (2 * np.pi))

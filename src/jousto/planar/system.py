@@ -1,6 +1,7 @@
 """System: equations of motion of a planar frame, with exact tangents.
 
-All displacements u = [nodes; ends of offset beams] are functions u = f(q) of the unknowns q, and
+All displacements u = [nodes; ends of offset beams; own ones of elements] are functions u = f(q) of
+the unknowns q, and
 
     r(q, v, a, t) = B^T [ F_int(u, u') + M (u'' + alpha u' - g) - F_ext(u, t) ] = 0.
 
@@ -11,24 +12,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.object_repr import described
-from jousto.planar.element import (
-    Middle,
-    gradient,
-    hessian,
-    middle,
-    viscous,
-)
+from jousto.planar.element import ElementGroup, GroupState
 from jousto.planar.elimination import (
     CoupledMotion,
     Elimination,
 )
-from jousto.planar.items import PlanarLoad
+from jousto.planar.items import PlanarLoad, Prescribed, Signal
 
 Array = NDArray[Any]
 
@@ -96,8 +92,8 @@ class Point(NamedTuple):
     q, v, a : (n,) array
         Unknowns, velocities, accelerations.
     slaves : CoupledMotion
-    middle : Middle
-        Strains and resultants.
+    groups : tuple of GroupState
+        Strains and resultants of the groups of beams.
     inner, force : (slaves,) array
         F_int, and the sum in brackets of the equations of motion.
     residual : (n,) array
@@ -108,7 +104,7 @@ class Point(NamedTuple):
     v: Array
     a: Array
     slaves: CoupledMotion
-    middle: Middle
+    groups: tuple[GroupState, ...]
     inner: Array
     force: Array
     residual: Array
@@ -127,12 +123,18 @@ class System:
         Indices of the unsupported unknowns.
     names : tuple of str
         Names of the unknowns in messages.
-    T, z0, length, D :
-        Shape matrix (4 ne, slaves), unloaded z (4 ne,), lengths (ne,), m, and stiffness (ne, 3) of
-        the elements.
+    groups : tuple of ElementGroup
+        Beams of each element.
+    length, D, limits :
+        Lengths (ne,), m, stiffness EA, GA, EI (ne, 3), and the largest stable axial force (ne,), N,
+        of the beams.
+    moved : tuple of (int, function)
+        Unknowns with a prescribed motion, which returns value, rate and second rate.
     M : (slaves, slaves) array
     loads : tuple of (PlanarLoad, int)
     weight : (slaves,) array
+    gravity_signal : function or None
+        Factor of the weight as a function of time.
     alpha, beta : float
         Mass- and stiffness-proportional damping, 1/s and s.
     count : int
@@ -142,13 +144,15 @@ class System:
     elimination: Elimination
     free: Array
     names: tuple[str, ...]
-    T: Array
-    z0: Array
+    moved: tuple[tuple[int, Prescribed], ...]
+    groups: tuple[ElementGroup, ...]
     length: Array
     D: Array
+    limits: Array
     M: Array
     loads: tuple[tuple[PlanarLoad, int], ...]
     weight: Array
+    gravity_signal: Signal | None
     alpha: float
     beta: float
     count: int
@@ -161,7 +165,8 @@ class System:
     def at_time(self, t: float) -> Loads:
         """Return the loads at a time, by their signals."""
         factors = [1.0 if load.signal is None else load.signal(t) for load, _ in self.loads]
-        return Loads(self.loads, self.weight, factors)
+        gravity = 1.0 if self.gravity_signal is None else self.gravity_signal(t)
+        return Loads(self.loads, self.weight, factors, gravity)
 
     def at_factor(self, factor: float) -> Loads:
         """Return the loads of statics, multiplied by a load factor."""
@@ -170,18 +175,18 @@ class System:
     def evaluate(self, q: Array, v: Array, a: Array, loads: Loads) -> Point:
         """Return residual, forces and strains at a state."""
         s = self.elimination.slaves(q, v, a)
-        z = (self.T @ s.u + self.z0).reshape(-1, 4)
-        rate = (self.T @ s.v).reshape(-1, 4) if self.beta else None
-        m = middle(z, self.D, self.beta, rate)
-        inner = (gradient(m) * self.length[:, None]).ravel() @ self.T
+        states = tuple(group.state(s.u, s.v, self.beta) for group in self.groups)
+        inner = np.zeros(len(self.M), dtype=np.result_type(s.u, s.v))
+        for group, state in zip(self.groups, states, strict=True):
+            group.add_force(state, inner)
         force = inner + self.M @ (s.a + self.alpha * s.v) - loads.force(s.u)
-        return Point(q, v, a, s, m, inner, force, s.B.T @ force)
+        return Point(q, v, a, s, states, inner, force, s.B.T @ force)
 
     def slave_stiffness(self, p: Point, loads: Loads) -> Array:
         """Return dF/du of the slaves at constant B: K_t minus the tangents of the loads."""
-        H = hessian(p.middle, self.D, self.beta) * self.length[:, None, None]
-        n = self.T.shape[1]
-        K: Array = self.T.T @ (H @ self.T.reshape(-1, 4, n)).reshape(-1, n)
+        K = np.zeros(self.M.shape, dtype=p.inner.dtype)
+        for group, state in zip(self.groups, p.groups, strict=True):
+            group.add_stiffness(state, self.beta, K)
         loads.add_stiffness(p.slaves.u, K)
         return K
 
@@ -189,13 +194,17 @@ class System:
         """Return dF/du' of the slaves."""
         C = self.alpha * self.M
         if self.beta:
-            V = viscous(p.middle, self.D, self.beta) * self.length[:, None, None]
-            n = self.T.shape[1]
-            C = C + self.T.T @ (V @ self.T.reshape(-1, 4, n)).reshape(-1, n)
+            for group, state in zip(self.groups, p.groups, strict=True):
+                group.add_damping(state, self.beta, C)
         return C
 
     def tangent(
-        self, p: Point, loads: Loads, c: float, m: float, inertia_tangents: Tangents = True
+        self,
+        p: Point,
+        loads: Loads,
+        c: float | Array,
+        m: float | Array,
+        inertia_tangents: Tangents = True,
     ) -> Array:
         """Return ``dr/dq + c dr/dv + m dr/da``.
 
@@ -203,7 +212,7 @@ class System:
         ----------
         p : Point
         loads : Loads
-        c, m : float
+        c, m : float or (n,) array
             Derivatives of velocities, 1/s, and accelerations, 1/s^2, by the unknowns in the method.
         inertia_tangents : bool or "symmetric"
             False omits K_acc and C_acc of eq. 13; "symmetric" takes ``(X + X^T) / 2`` of each.
@@ -214,7 +223,10 @@ class System:
             return self.tangent(p, loads, c, m, False) + 0.5 * (X + X.T)
         s, B, B1 = p.slaves, p.slaves.B, p.slaves.B1
         K, C = self.slave_stiffness(p, loads), self.slave_damping(p)
-        inner = (K + c * C + m * self.M) @ B + C @ B1
+        if isinstance(c, np.ndarray):
+            inner = K @ B + c * (C @ B) + m * (self.M @ B) + C @ B1
+        else:
+            inner = (K + c * C + m * self.M) @ B + C @ B1
         held = p.force
         if inertia_tangents:
             inner += self.M @ (self.elimination.map.B2(p.q, p.v, p.a) + (2.0 * c) * B1)
@@ -236,12 +248,46 @@ class System:
 
     def rounding(self, p: Point) -> float:
         """Return the rounding error of the residual; strains are differences of coordinates."""
-        u = np.abs(p.slaves.u)
+        u = np.abs(p.slaves.u[: 3 * self.count])
         size = max(1e-300, float(u[0::3].max()), float(u[1::3].max()))
-        forces = self.D[:, :2].max(axis=1) * (1.0 + size / self.length)
+        stiff = np.where(np.isfinite(self.D[:, :2]), self.D[:, :2], 0.0).max(axis=1)
+        forces = stiff * (1.0 + size / self.length)
         return 4.0 * float(np.finfo(float).eps) * float(np.linalg.norm(forces))
 
     def energies(self, p: Point) -> tuple[float, float]:
         """Return kinetic and strain energy, J."""
-        strain = 0.5 * np.sum(self.length * np.sum(self.D * p.middle.strains**2, axis=1))
-        return 0.5 * float(p.slaves.v @ self.M @ p.slaves.v), float(strain)
+        strain = sum(g.energy(s) for g, s in zip(self.groups, p.groups, strict=True))
+        return 0.5 * float(p.slaves.v @ self.M @ p.slaves.v), strain
+
+    def powers(self, p: Point, loads: Loads) -> tuple[float, float]:
+        """Return the power of loads, gravity and prescribed motions, and that of damping, W."""
+        u, v = p.slaves.u, p.slaves.v
+        moved = [k for k, _ in self.moved]
+        supplied = float(loads.force(u) @ v) + float(p.residual[moved] @ p.v[moved])
+        lost = self.alpha * float(v @ self.M @ v)
+        lost += sum(g.dissipation(s, self.beta) for g, s in zip(self.groups, p.groups, strict=True))
+        return supplied, lost
+
+    def means(self, p: Point) -> tuple[Array, Array]:
+        """Return strains and resultants of the beams, (ne, 3) each, without damping."""
+        strains, resultants = np.zeros(self.D.shape), np.zeros(self.D.shape)
+        for group, state in zip(self.groups, p.groups, strict=True):
+            strains[group.members], resultants[group.members] = group.law.means(state.z)
+        return strains, resultants
+
+    @cached_property
+    def massless(self) -> Array:
+        """Unsupported rotations without mass, but with stiffness, (k,): sections without rotary.
+
+        They follow from the equilibrium of moments at each instant.
+        """
+        q = np.zeros(self.size)
+        p, loads = self.evaluate(q, q, q, self.at_factor(0.0)), self.at_factor(0.0)
+        B = p.slaves.B
+        mass, stiffness = np.diag(B.T @ self.M @ B), np.diag(self.stiffness(p, loads))
+        found = [
+            i
+            for i in self.free
+            if self.names[i].startswith("r of") and mass[i] <= 0.0 < stiffness[i]
+        ]
+        return np.array(found, dtype=int)
