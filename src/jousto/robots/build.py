@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from jousto.base.arguments import explained
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.numbers import number
 from jousto.mechanism.bodies.body import RigidBody, ground
+from jousto.mechanism.elastic_joint import ElasticJoint
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.forces.springs import JointForce
 from jousto.mechanism.joints.base import Joint
@@ -24,6 +26,7 @@ from jousto.mechanism.sensors.scalar import CoordinateSensor
 from jousto.mechanism.signals.base import check_signal
 from jousto.robots.actuators import actuator_forces, with_actuators
 from jousto.robots.description import Frame, Link, Robot
+from jousto.robots.elastic import check_elastic, elastic_joints, on_motor, split_armature
 from jousto.robots.joint_limits import RESTITUTION, effective_inertias, joint_forces, limits_of
 from jousto.robots.joints import couplings, gravity_compensation, make_joint, make_loops, rotor
 from jousto.robots.kinematics.tree import Tree
@@ -45,12 +48,15 @@ class RobotItems:
         Coordinates of joints with one coordinate, by name.
     items : tuple
         All items of the mechanism.
+    elastic : dict
+        Elastic joints by the names of the joints.
     """
 
     bodies: Mapping[str, RigidBody]
     joints: Mapping[str, Any]
     coordinates: Mapping[str, Coordinate]
     items: tuple[Any, ...]
+    elastic: Mapping[str, ElasticJoint]
 
 
 @explained
@@ -65,6 +71,7 @@ def mechanism(
     drives: Mapping[str, Any] | None = None,
     efforts: Mapping[str, Any] | None = None,
     actuators: bool = True,
+    elastic: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Mechanism:
     """Return the mechanism of a robot, with the joint coordinates of the file.
 
@@ -100,6 +107,10 @@ def mechanism(
     actuators : bool
         Whether to include motors and servos of the file, each with an `Input` of the same name with
         the initial value 0, as in MuJoCo; never those on a joint in `drives` or `efforts`.
+    elastic : dict of str to dict, optional
+        Motors behind elastic gears by joint: the arguments of `jo.mechanism.ElasticJoint` except
+        name and coordinate. Drives, efforts and actuators of the joint, in units of the joint, then
+        act on its motor. The default of ``rotor_inertia`` is ``armature / ratio^2`` of the file.
 
     Raises
     ------
@@ -111,11 +122,12 @@ def mechanism(
     --------
     RobotInMechanism : A robot as an assembly of a larger machine.
     """
-    asked = {"at": at, "drives": drives, "efforts": efforts}
+    asked = {"at": at, "drives": drives, "efforts": efforts, "elastic": elastic}
     given = {key: dict(value or {}) for key, value in asked.items()}
     given["at"] = by_joint(given["at"])
     problems = Problems()
     check_joints(problems, robot, given, stops)
+    check_elastic(problems, robot, given["elastic"])
     drives_of = {x: check_signal(problems, "drives", x, y) for x, y in given["drives"].items()}
     problems.raise_if_any()
     seat = Seat(ground["origin"])
@@ -123,13 +135,14 @@ def mechanism(
     start = given["at"] | begins
     weight = robot.gravity if gravity is None else np.asarray(gravity, dtype=np.float64)
     robot = with_actuators(robot, actuators, {**given["drives"], **given["efforts"]})
+    robot, gears = split_armature(replace(robot, gravity=weight), given["elastic"])
     made = build_robot(
-        replace(robot, gravity=weight), seat, at=start, stops=(stops, restitution), losses=losses
+        robot, seat, at=start, stops=(stops, restitution), losses=losses, elastic=gears
     )
-    items: list[Any] = [*made.items]
     s = made.coordinates
-    items += (Drive(f"{name} drive", s[name], x) for name, x in given["drives"].items())
-    items += (JointForce(f"{name} motor", s[name], x) for name, x in given["efforts"].items())
+    moved: list[Any] = [Drive(f"{name} drive", s[name], x) for name, x in given["drives"].items()]
+    moved += [JointForce(f"{name} motor", s[name], x) for name, x in given["efforts"].items()]
+    items = [*made.items, *(on_motor(item, made.elastic) for item in moved)]
     return Mechanism(*items, Gravity(weight), name=robot.name)
 
 
@@ -141,6 +154,7 @@ def build_robot(
     stops: tuple[bool | float, float],
     losses: bool,
     prefix: str = "",
+    elastic: Mapping[str, Any] = MappingProxyType({}),
 ) -> RobotItems:
     """Return the bodies, joints, forces and sensors of a robot on its base.
 
@@ -160,6 +174,8 @@ def build_robot(
         if joint.kind in SINGLE and (made := joints.get(joint.name)) is not None
     }
     items: list[Any] = [*bodies.values(), *joints.values(), *couplings(robot, coordinates)]
+    gears = elastic_joints(coordinates, elastic)
+    items += gears.values()
     inertias = effective_inertias(tree)
     limits = limits_of(robot, tree, *stops, inertias)
     for joint in robot.joints:
@@ -168,9 +184,10 @@ def build_robot(
     items += make_loops(robot, bodies, seat).values()
     items += gravity_compensation(robot, bodies)
     for actuator in robot.actuators:
-        items += actuator_forces(actuator, coordinates.get(actuator.joint))
+        forces = actuator_forces(actuator, coordinates.get(actuator.joint))
+        items += (on_motor(force, gears) for force in forces)
     items += (CoordinateSensor(name, s) for name, s in coordinates.items())
-    return RobotItems(bodies, joints, coordinates, tuple(items))
+    return RobotItems(bodies, joints, coordinates, tuple(items), gears)
 
 
 def check_joints(
