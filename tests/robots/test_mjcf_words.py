@@ -108,9 +108,12 @@ def test_a_word_that_nobody_knows_is_told(tmp_path: Path) -> None:
         ),
         (
             arm(tail='<equality><joint joint1="a" joint2="b" polycoef="0 1 2"/></equality>'),
-            "a polynomial of higher order: is not held: what it ties moves freely",
+            "a polynomial of higher order: is ignored: the bodies that it ties move freely",
         ),
-        (arm().replace('name="arm"', 'name="arm" mocap="true"'), "mocap: it stands still"),
+        (
+            arm().replace('name="arm"', 'name="arm" mocap="true"'),
+            "mocap: it is fixed at its place in the file",
+        ),
     ],
 )
 def test_what_changes_the_motion_is_warned_of(text: str, said: str, tmp_path: Path) -> None:

@@ -271,7 +271,7 @@ couplings:
         ("30 deg", "270 deg", "10: initial.0.value: value is 270 deg, must be within half a turn"),
         ("hinge.angle, v", "hnge.angle, v", "10: initial.0.coordinate: no joint 'hnge'; did you"),
         ("slide.displacement", "hinge.angle", "given twice, leave one out"),
-        (", rate: 200 mm/s", "", "11: initial.1: gives neither a value nor a rate"),
+        (", rate: 200 mm/s", "", "11: initial.1: contains neither a value nor a rate"),
     ],
 )
 def test_mistakes_of_the_start(old: str, new: str, sentence: str) -> None:

@@ -81,5 +81,5 @@ def test_what_is_wrong_is_named(old: str, new: str, message: str) -> None:
 def test_a_name_with_an_error_is_reported_once() -> None:
     with pytest.raises(jo.InputError) as error:
         parse_model(MODEL.replace("coordinate: shoulder.angle", "coordinate: shouldr.angle"))
-    assert "stands on itself" not in str(error.value)
+    assert "depends on itself" not in str(error.value)
     assert "shoulder motor" not in str(error.value)

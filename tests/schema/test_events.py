@@ -120,5 +120,5 @@ def test_what_stands_on_itself_is_reported():
     counted = (
         "  - {name: d, type: damage, sensor: d, residue: half, sn: {S_D: 71 MPa, N_D: 2e6, k: 3}}\n"
     )
-    with pytest.raises(jo.InputError, match=r"sensors\.2: 'd' stands on itself"):
+    with pytest.raises(jo.InputError, match=r"sensors\.2: 'd' depends on itself"):
         parse_model(TEXT.replace("events:\n", f"{counted}events:\n"))

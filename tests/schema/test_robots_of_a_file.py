@@ -138,8 +138,8 @@ sensors:
         "9: robots.5: the names of its bodies and joints begin with 'x', as those of robot 'h4'; "
         "give it another prefix",
         "10: robots.6.prefx: unknown key 'prefx'; did you mean 'prefix'?",
-        "11: robots.7.base: 'h7_tool' stands on this robot itself",
-        "13: robots.9.base: 'h8_tool' stands on this robot itself",
+        "11: robots.7.base: 'h7_tool' depends on this robot itself",
+        "13: robots.9.base: 'h8_tool' depends on this robot itself",
         "17: sensors.0.marker: frame 'xtool': no point 'orgin'; a frame has its origin alone",
         "18: sensors.1.marker: no body 'xtol'; did you mean 'xtool'?",
         "19: sensors.2.marker: body 'xl6': no marker 'tcpp'; did you mean 'tcp'?",

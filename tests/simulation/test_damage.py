@@ -225,7 +225,7 @@ def test_edited_files_are_refused_or_read(original, tmp_path):
     [
         (lambda f: f.__delitem__("diagnostics/step"), "diagnostics/step is missing"),
         (lambda f: f["bodies/arm"].attrs.__delitem__("modes"), "attribute modes is missing"),
-        (lambda f: f["time"].__setitem__(1, np.nan), "time is not finite and ascending"),
+        (lambda f: f["time"].__setitem__(1, np.nan), "time must be finite and ascending"),
         (lambda f: f["rows"].__setitem__((), 99), "rows is 99, the datasets have 4 rows"),
         (lambda f: f["bodies/arm/nodes"].__setitem__((0, 0), np.inf), "arm/nodes contains numbers"),
     ],

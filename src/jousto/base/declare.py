@@ -80,17 +80,17 @@ class Declared:
         super().__init_subclass__(**options)
         if by_value is not None:
             cls.by_value = by_value
-        said = {key: value for key, value in vars(cls).items() if isinstance(value, Facts)}
+        declared = {key: value for key, value in vars(cls).items() if isinstance(value, Facts)}
         # frame of the class statement, in which the names of the annotations are defined
         here = sys._getframe(1)
         while here.f_back and here.f_globals.get("__name__") == "abc":
             here = here.f_back
         types = inspect.get_annotations(
-            cls, globals=here.f_globals, locals=here.f_locals, eval_str=bool(said)
+            cls, globals=here.f_globals, locals=here.f_locals, eval_str=bool(declared)
         )
         problems = Problems()
         own: dict[str, Field[Any, Any]] = {}
-        for key, facts in said.items():
+        for key, facts in declared.items():
             by_name = facts.kw_only or kw_only
             made: Field[Any, Any] = types[key](
                 facts.text, default=facts.default, kw_only=by_name, **facts.facts
@@ -198,13 +198,13 @@ def _refused(cls: Any, given: Any, named: Mapping[str, Any]) -> CallError:
     names = list(parameters)
     unknown = [key for key in named if key not in names]
     renamed = ARGUMENTS.get(cls.__name__, {})
-    said = [
+    problems = [
         f"{key}= is now {renamed[key]}="
         if key in renamed
         else f"there is no argument {key!r}{suggest(key, names)}"
         for key in unknown
     ]
-    if not said:
+    if not problems:
         unnamed = [key for key, one in parameters.items() if one.kind is POSITIONAL]
         twice = [key for key in unnamed[: len(given)] if key in named]
         missing = [
@@ -228,8 +228,8 @@ def _refused(cls: Any, given: Any, named: Mapping[str, Any]) -> CallError:
             for key, one in parameters.items()
         )
         usage = cls.usage or f"{cls.__name__}({', '.join(written)})"
-        said = [f"{text}; it is called {usage}"]
-    return CallError([Problem(where, one) for one in said])
+        problems = [f"{text}; it is called {usage}"]
+    return CallError([Problem(where, one) for one in problems])
 
 
 def document(cls: type[Declared]) -> None:

@@ -86,7 +86,7 @@ class Field(Generic[In, Out]):
     form: str = ""
     """How model files write it; `jousto.schema` knows how to read each form."""
     noun: str = ""
-    """What it is called in help."""
+    """Name in help texts."""
     optional: ClassVar[bool] = False
     """Whether None is a value, also where it is not the default."""
     checks_none: ClassVar[bool] = False
@@ -121,8 +121,8 @@ class Field(Generic[In, Out]):
 
     def __repr__(self) -> str:
         unit = f", {self.unit}" if str(self.unit) not in ("", "1") else ""
-        said = f"{self.text[:200]}{unit}"
-        return f"<{type(self).__name__} {self.name!r}{said and f': {said}'}>"
+        message = f"{self.text[:200]}{unit}"
+        return f"<{type(self).__name__} {self.name!r}{message and f': {message}'}>"
 
     @overload
     def __get__(self, obj: None, owner: type) -> Any: ...
@@ -153,8 +153,8 @@ class Field(Generic[In, Out]):
     @property
     def annotation(self) -> str:
         """Type of the field in signatures."""
-        said = self.noun if self.noun.isidentifier() else "Any"
-        return f"{said} | None" if self.optional or self.default is None else said
+        name = self.noun if self.noun.isidentifier() else "Any"
+        return f"{name} | None" if self.optional or self.default is None else name
 
     def line(self) -> str:
         """Return the first line of the parameter in the docstring, ``pitch : float, m``."""

@@ -62,7 +62,7 @@ def damage(path: Path, remedy: str) -> Iterator[None]:
 
 @contextmanager
 def open_format(path: Path, mark: str, what: str, remedy: str) -> Iterator[Group]:
-    """Open a file of a format of jousto; damage found in the block is reported with a remedy.
+    """Open a file of a format of jousto; report damage found inside ``with``, with a remedy.
 
     Parameters
     ----------
@@ -84,10 +84,12 @@ def open_format(path: Path, mark: str, what: str, remedy: str) -> Iterator[Group
         file = opened(path)
     except DAMAGE as error:
         if path.is_file() and not h5py.is_hdf5(path):
-            told = f"not {what}: it is not an HDF5 file, because it is damaged or of another kind"
+            message = (
+                f"not {what}: it is not an HDF5 file, because it is damaged or of another kind"
+            )
         else:
-            told = f"not readable as HDF5, damaged ({said(error)})"
-        raise InputError(Problem(str(path), told)) from error
+            message = f"not readable as HDF5, damaged ({said(error)})"
+        raise InputError(Problem(str(path), message)) from error
     with file, damage(path, remedy):
         found = file.attrs.get("format", "")
         if not isinstance(found, str) or found != mark:

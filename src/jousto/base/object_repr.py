@@ -48,8 +48,8 @@ def describe(thing: Any) -> str:
     """
     name = getattr(thing, "name", None)
     head = type(thing).__name__ + (f" {_cut(name)!r}" if isinstance(name, str) else "")
-    told = getattr(thing, "_facts", None)
-    facts = told() if told else ", ".join(filter(None, starmap(_fact, _fields(thing).items())))
+    method = getattr(thing, "_facts", None)
+    facts = method() if method else ", ".join(filter(None, starmap(_fact, _fields(thing).items())))
     shown = f"<{head}: {facts}>" if facts else f"<{head}>"
     return shown if len(shown) < LIMIT else f"{shown[: LIMIT - 5]}...>"
 

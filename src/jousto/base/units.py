@@ -169,7 +169,7 @@ class UnitError(ValueError):
 
 @functools.cache
 def registry() -> pint.UnitRegistry[Decimal]:
-    """Return the registry of the closed vocabulary, created at first use."""
+    """Return the registry of the allowed units, created at first use."""
     import pint
 
     made: pint.UnitRegistry[Decimal] = pint.UnitRegistry(None, non_int_type=Decimal)

@@ -174,7 +174,7 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
         for where, sentence in unheld_loads(model):
             warn(where, sentence)
     found = repeated_rows(model) if model.redundant else None
-    said = tuple(
+    messages = tuple(
         dict.fromkeys(
             str(w.message)
             for w in caught
@@ -188,7 +188,7 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
         rows=model.permanent,
         mobility=mobility,
         redundancy=found,
-        warnings=said,
+        warnings=messages,
         core=core_of(model),
         explicit_step=EXPLICIT / fastest if (fastest := fastest_gear(model)) else None,
     )

@@ -98,7 +98,7 @@ def largest_first(
 def modes(
     model: Model,
     count: Annotated[
-        int, typer.Option("--count", "-n", min=1, help="How many, the slowest first.")
+        int, typer.Option("--count", "-n", min=1, help="Number of modes, the slowest first.")
     ] = 10,
     initial: Initial = False,
     picture: Annotated[
@@ -106,7 +106,7 @@ def modes(
         typer.Option("--picture", metavar="FILE", help="Draw a mode: png, svg, pdf ..."),
     ] = None,
     mode: Annotated[
-        int, typer.Option("--mode", min=1, help="Which mode --picture draws, from 1.")
+        int, typer.Option("--mode", min=1, help="Number of the mode that --picture draws, from 1.")
     ] = 1,
     trust: Trust = False,
 ) -> None:
@@ -121,7 +121,7 @@ def modes(
         moves = most_at({name: shapes[k] for name, shapes in found.shapes.items()})
         rows.append((f"mode {k + 1}", f"{found.describe_mode(k)}, most at {moves}"))
     place = "its initial pose" if initial else "rest"
-    facts(rows or [("modes", "none: nothing is free to move")], f"{model.name} about {place}")
+    facts(rows or [("modes", "none: no motion is free")], f"{model.name} about {place}")
     if picture is not None:
         tell_files(found, mode - 1, picture=picture)
 
@@ -178,7 +178,7 @@ def kinematics(
         str | None, typer.Option("--t-end", metavar="TIME", help="Last instant such as 2 or '5 s'.")
     ] = None,
     instants: Annotated[
-        int, typer.Option("--instants", "-n", min=1, help="How many instants, evenly spaced.")
+        int, typer.Option("--instants", "-n", min=1, help="Number of instants, evenly spaced.")
     ] = 101,
     trust: Trust = False,
 ) -> None:
@@ -275,7 +275,7 @@ def buckle(
     parameter: Input = None,
     count: Annotated[int, typer.Option("--count", "-n", min=1, help="How many loads.")] = 3,
     along: Annotated[
-        bool, typer.Option("--path", help="On the path itself, not of the linear theory.")
+        bool, typer.Option("--path", help="On the path itself, not by the linear theory.")
     ] = False,
     to: Annotated[
         float | None, typer.Option("--to", metavar="VALUE", help="End of the path.")

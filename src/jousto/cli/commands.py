@@ -187,7 +187,7 @@ def animate(
         ),
     ] = None,
 ) -> None:
-    """Film the motion; it goes to RESULT.gif unless -o names another file.
+    """Film the motion, into RESULT.gif unless -o names another file.
 
     The ending of the file selects the format: .gif, .mp4 or .html films, .png, .svg or .pdf
     pictures of several instants. Modal beams are lines, exact beams and solids are

@@ -199,12 +199,12 @@ def _events(
                     f"cannot be combined with --duty: {duty.name} has {words}; leave one out",
                 )
         problems.raise_if_any()
-        said = read_duty(duty)
+        content = read_duty(duty)
         return _Events(
-            [load(path) for path, _, _ in said.events],
-            [times for _, times, _ in said.events],
-            [name for _, _, name in said.events],
-            said.transitions,
+            [load(path) for path, _, _ in content.events],
+            [times for _, times, _ in content.events],
+            [name for _, _, name in content.events],
+            content.transitions,
         )
     if not results:
         problems.add("RESULT", "give a results file, or --duty FILE.yaml")

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from jousto.simulation.results.solution import Solution
 
 REMARK = "at stored instants, of these modes, step and mesh; jousto hotspots gives the error budget"
-FINER = "finer runs tell more: jousto hotspots --finer-step, --more-modes, --finer-mesh"
+FINER = "finer runs give better estimates: jousto hotspots --finer-step, --more-modes, --finer-mesh"
 
 
 HEAD = ("", "smallest", "at", "largest", "at", "")

@@ -132,8 +132,8 @@ class Lines:
         """Print the events since the last call."""
         for time, kind, text in progress.events:
             at = "" if math.isnan(time) else f"{time:12.3f} s  "
-            said = text if kind == "alarm" else f"{kind}: {text}"
-            say(f"{at}{said}", style=STYLES.get(kind, ""))
+            message = text if kind == "alarm" else f"{kind}: {text}"
+            say(f"{at}{message}", style=STYLES.get(kind, ""))
         update = progress.update
         from time import monotonic
 

@@ -20,7 +20,7 @@ Sites = Annotated[
     list[str] | None,
     typer.Option("--site", metavar="SITE", help="Places; else those of the largest stress."),
 ]
-Count = Annotated[int, typer.Option("--count", metavar="N", help="How many of those places.")]
+Count = Annotated[int, typer.Option("--count", metavar="N", help="Number of these places.")]
 
 
 @command()

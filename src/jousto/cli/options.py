@@ -18,9 +18,9 @@ Model = Annotated[Path, typer.Argument(metavar="MODEL", help="Model file (YAML o
 Result = Annotated[Path, typer.Argument(metavar="RESULT", help="Results file (HDF5).")]
 Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Output file.")]
 From = Annotated[
-    str | None, typer.Option("--from", metavar="TIME", help="Leave out what is before, '0.5 s'.")
+    str | None, typer.Option("--from", metavar="TIME", help="Start of the time span, '0.5 s'.")
 ]
-To = Annotated[str | None, typer.Option("--to", metavar="TIME", help="Leave out what is after.")]
+To = Annotated[str | None, typer.Option("--to", metavar="TIME", help="End of the time span.")]
 Trust = Annotated[
     bool,
     typer.Option("--trust", help="Run Python functions and mock-up units that the file names."),
@@ -48,13 +48,13 @@ PartPath = Annotated[
     Path, typer.Argument(metavar="PART", help="YAML file of a part, or a model file.")
 ]
 PartName = Annotated[
-    str | None, typer.Argument(metavar="[NAME]", help="Which of the model's parts.")
+    str | None, typer.Argument(metavar="[NAME]", help="Name of a part of the model.")
 ]
 Solver = Annotated[
     str | None, typer.Option("--solver", metavar="NAME", help="Library for the factorisation.")
 ]
 Initial = Annotated[
-    bool, typer.Option("--initial", help="About the initial pose, not the rest position.")
+    bool, typer.Option("--initial", help="About the initial pose, not the equilibrium.")
 ]
 Workers = Annotated[int, typer.Option("--workers", min=1, help="How many at once.")]
 On = Annotated[str, typer.Option("--on", metavar="threads|processes|dask", help="What works.")]

@@ -34,7 +34,7 @@ def reduce_part(
     output: Output = None,
     html: Html = None,
     bare: Annotated[
-        bool, typer.Option("--no-certificate", help="Compare nothing with the full model.")
+        bool, typer.Option("--no-certificate", help="Omit the comparison with the full model.")
     ] = False,
     strict: Annotated[
         bool, typer.Option("--strict", help="End with code 1 if the certificate has a fault.")
@@ -50,7 +50,7 @@ def reduce_part(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")] = False,
 ) -> None:
-    """Reduce a part to modes; it goes to NAME.h5 next to the file unless -o names another file.
+    """Reduce a part to modes, into NAME.h5 next to the file unless -o names another file.
 
     A reduction that was killed continues after its last finished stage when it is started again.
 

@@ -48,7 +48,8 @@ def stress(
     ] = None,
     strain: Strain = False,
     residual: Annotated[
-        bool, typer.Option("--residual", help="Add what the modes leave out (mode acceleration).")
+        bool,
+        typer.Option("--residual", help="Add the stress that modes neglect (mode acceleration)."),
     ] = False,
     output: Output = None,
 ) -> None:

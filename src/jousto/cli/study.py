@@ -53,7 +53,7 @@ def study(
         ),
     ] = None,
     method: Annotated[
-        str, typer.Option(metavar="lhs|sobol|random", help="How samples are spread.")
+        str, typer.Option(metavar="lhs|sobol|random", help="Distribution of the samples.")
     ] = "lhs",
     seed: Annotated[int, typer.Option(help="The same seed gives the same samples.")] = 0,
     workers: Workers = 1,

@@ -57,7 +57,7 @@ def write_fmu(
     path : path
         File that ends with ``.fmu``.
     solver : Solver, optional
-        Method of fixed step; None is the choice of `simulate` for 10 s.
+        Method of fixed step; None: the choice of `simulate` for 10 s.
     state : State, optional
         Initial state; None: that of the model.
     name : str

@@ -286,4 +286,4 @@ def refuse(model: Model) -> None:
     ]
     if problems:
         raise InputError(problems)
-    without_fmus(model, "export", "cannot go into another program")
+    without_fmus(model, "export", "cannot be exported to another program")

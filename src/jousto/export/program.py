@@ -149,10 +149,10 @@ def program(
     model : Model
         From `compile`.
     solver : Solver, optional
-        Method of fixed step; None is the choice of `simulate` for 10 s: ``ROS2``, whose work per
+        Method of fixed step; None: the choice of `simulate` for 10 s: ``ROS2``, whose work per
         step is bounded, with 1 ms or less, or `GeneralizedAlpha` for stiffer machines.
     state : State, optional
-        Initial positions and velocities; None is the initial state of the model.
+        Initial positions and velocities; None: the initial state of the model.
     name : str
         Prefix of the names in C; empty is the name of the mechanism.
     named : sequence of Named

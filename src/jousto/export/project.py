@@ -171,9 +171,9 @@ def write_program(
         ``.c``: one file, and its header ``.h`` beside it; ``.zip``: a project with the sources, a
         main program, a Makefile and a CMakeLists.txt.
     solver : Solver, optional
-        Method of fixed step; None is the choice of `simulate` for 10 s.
+        Method of fixed step; None: the choice of `simulate` for 10 s.
     state : State, optional
-        Initial state; None is that of the model.
+        Initial state; None: that of the model.
     name : str
         Prefix of the names in C; empty is the name of the file.
     named : sequence of Named

@@ -118,9 +118,9 @@ def realtime(
     model : Model
         From `compile`.
     solver : Solver, optional
-        Method of fixed step; None is the choice of `simulate` for 10 s.
+        Method of fixed step; None: the choice of `simulate` for 10 s.
     state : State, optional
-        Initial state; None is that of the model.
+        Initial state; None: that of the model.
     steps : int
         Number of timed steps.
     urgent : bool

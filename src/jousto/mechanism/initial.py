@@ -51,7 +51,7 @@ class Initial(Declared, section="initial"):
         """Report missing value and rate, angles beyond half a turn and distances <= 0."""
         at = self.value
         if at is None and self.rate is None:
-            problems.add(where, "gives neither a value nor a rate")
+            problems.add(where, "contains neither a value nor a rate")
         if at is not None and isinstance(self.coordinate, Angle) and abs(at) > np.pi:
             near = np.degrees(np.arctan2(np.sin(at), np.cos(at)))
             problems.add(

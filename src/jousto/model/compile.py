@@ -180,9 +180,7 @@ def _elimination(
     for body, joints in joints_on(builder.joints, builder.markers).items():
         if dense.clique and tuple(joints) == dense.clique:
             found = f"body '{mechanism.bodies[body].name}'"
-            reason = (
-                f"carries {count(len(joints), 'joint')}, which are all coupled with one another"
-            )
+            reason = f"has {count(len(joints), 'joint')}, which are all coupled with one another"
             remedy = (
                 "divide it into several bodies, each fixed to the previous one, with at most "
                 "some hundred joints each"

@@ -62,7 +62,7 @@ def with_start(model: Model, finish: Callable[[Model], Model], initials: Sequenc
     engine.assemble()
     moved = np.abs(engine.q.real - made.q0) * position_metres(plain)
     if moved.max(initial=0.0) > SMALL * plain.size:
-        raise NotAnalytic("its joints close at another position with complex numbers")
+        raise NotAnalytic("with complex numbers its joints close at another position")
     v = engine.v
     modal = modal_velocities(plain)
     if not given.any() and np.any(v[modal]):

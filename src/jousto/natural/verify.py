@@ -76,7 +76,7 @@ def verify(
     step : float
         Longer step of the moving frame and, without `solver`, of the engine, s.
     solver : Solver, optional
-        Method of the engine and its longer step; None is the choice of `simulate`, with `step` if
+        Method of the engine and its longer step; None: the choice of `simulate`, with `step` if
         that is shorter.
     begin : callable, optional
         Function of the compiled model that returns the initial state, such as `equilibrium` or

@@ -51,6 +51,6 @@ def call(place: str, what: str, *given: Any, **options: Any) -> Any:
         known = signature.parameters
         needed = [key for key, one in known.items() if one.default is one.empty and one.kind != 2]
         example = f"jo.{'write' if what[0] == '.' else 'plot'}({', '.join(needed)}, ...)"
-        said = f"{error}; it takes {', '.join(list(known)[1:])}, such as {example}"
-        raise CallError(Problem(what, said)) from None
+        message = f"{error}; it takes {', '.join(list(known)[1:])}, such as {example}"
+        raise CallError(Problem(what, message)) from None
     return function(*given, **options)

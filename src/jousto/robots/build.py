@@ -197,11 +197,11 @@ def check_joints(
     ends = ends_of(robot, stops) if given.get("at") else {}
     for key, named in given.items():
         for name, value in named.items():
-            said = wrong_joint(robot, name)
-            if not said and key == "at":
-                said = wrong_start(robot, name, value, ends)
-            if said:
-                problems.add(f"{key}[{name!r}]", said)
+            message = wrong_joint(robot, name)
+            if not message and key == "at":
+                message = wrong_start(robot, name, value, ends)
+            if message:
+                problems.add(f"{key}[{name!r}]", message)
 
 
 def wrong_joint(robot: Robot, name: str) -> str:

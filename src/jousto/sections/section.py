@@ -285,7 +285,7 @@ class Tube(Declared, section="sections", tag="tube", by_value=True):
     def points(self) -> tuple[SectionPoint, ...]:
         """24 stress points: top, bottom, left, right, ``deg15`` ... by the angle from left."""
         ro, ri = self._radii
-        # first moment of the half section / width 2 wall of the cut
+        # first moment of the half section over the width of the cut, 2 wall
         v = (ro**2 + ro * ri + ri**2) / (3.0 * self.Iy)
         return _around(ro, v, ro / self.J)
 

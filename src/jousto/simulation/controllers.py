@@ -16,7 +16,7 @@ from jousto.model.native.native import Engine
 from jousto.simulation.state import State, put
 
 SETTLED = 1e-9
-"""Of the size of the mechanism, or rad: a coordinate stands where its controller wants it."""
+"""Of the size of the mechanism, or rad: a coordinate is at the set point of its controller."""
 OFF = 1e-6
 """Of the size: a coordinate that rests farther from its reference is worth a warning."""
 PROBE = 1e-4

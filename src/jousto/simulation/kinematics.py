@@ -94,7 +94,7 @@ def inverse_dynamics(model: Model, times: ArrayLike, *, path: str | Path | None 
     Raises
     ------
     InputError, SimulationError
-        As `kinematics`; InputError also if there is no drive.
+        As for `kinematics`; InputError also if there is no drive.
     """
     _instants(model, times)
     if not any(line.signal >= 0 for joint in model.joints for line in joint.lines):

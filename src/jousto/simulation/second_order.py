@@ -175,7 +175,7 @@ def stiffness_shares(model: Model, state: State | None, indices: set[int]) -> di
     ----------
     model : Model
     state : State or None
-        None is the initial state.
+        None: the initial state.
     indices : set of int
         Indices of the bodies.
 

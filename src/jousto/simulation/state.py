@@ -31,7 +31,7 @@ class State:
     time : float
         Instant, s.
     states : array, optional
-        First-order states of forces, such as the integral part of a `PID`; None is their initial
+        First-order states of forces, such as the integral part of a `PID`; None: their initial
         value.
     turn : array, optional Unwrapped angles, rad; with None they are within half a revolution.
     locked, slip, held, direction : arrays, optional
@@ -44,7 +44,7 @@ class State:
     work : (3,) array, optional
         Energy lost to damping, energy lost to friction and work done so far, J; None is 0.
     meters : array, optional
-        States of the damage meters; None is their initial value.
+        States of the damage meters; None: their initial value.
     joint : array, optional
         Joint coordinates and their rates, for models in joint coordinates; with None they are
         computed from q and v.

@@ -237,7 +237,7 @@ class Server:
         except JoustoError as error:
             return _response(HTTPStatus.CONFLICT, str(error))
         except Exception as error:
-            LOG.exception("a page could not be made")
+            LOG.exception("a page could not be created")
             return _response(HTTPStatus.INTERNAL_SERVER_ERROR, unexpected(error))
         more = {"Content-Disposition": 'attachment; filename="jousto.html"'}
         return _response(HTTPStatus.OK, data, "text/html; charset=utf-8", more)

@@ -143,5 +143,5 @@ def best(optima: Sequence[Optimum], failed: int) -> Optimum:
         spread = f"; none of {total} starts met the limits"
     left = total - len(ended)
     if kept and left:
-        spread += f", {left} did not end at a design that keeps the limits"
+        spread += f", {left} did not end at a design within the limits"
     return replace(least, message=least.message + spread, others=others)

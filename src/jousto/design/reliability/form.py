@@ -390,7 +390,7 @@ def _no_point(
     same = all(row[2] * rows[0][2] > 0.0 for row in rows) and rows[-1][2] * g > 0.0
     if same and len(rows) <= iterations:
         found, none = ("no failure", "none") if g > 0.0 else ("nothing safe", "nothing")
-        kink = "" if np.linalg.norm(u) >= far else ", or a kink of G holds the search"
+        kink = "" if np.linalg.norm(u) >= far else ", or a kink of G stops the search"
         message = (
             f"{where}: {found} found; G is still {g:.4g} at {point}. There may be {none} within "
             f"beta = {far:g} (probability < {ndtr(-far):.1g}){kink}; try another start"

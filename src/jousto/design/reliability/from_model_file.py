@@ -50,7 +50,7 @@ def file_rbdo(
     t_end : float, optional
         End of the runs, s; it has precedence over that of the file.
     method, tolerance, cycles
-        As of `rbdo`.
+        As for `rbdo`.
 
     Returns
     -------

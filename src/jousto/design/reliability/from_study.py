@@ -235,7 +235,7 @@ def limit_state(
         problems.add("limit state", f"parameter '{name}' is also a parameter of the study")
     scattered = [p for p in (*study.parameters, *more) if p.distribution is not None]
     if not scattered:
-        message = "no parameter has a distribution, such as 'normal(sd=0.1 mm)': nothing scatters"
+        message = "no parameter has a distribution, such as 'normal(sd=0.1 mm)': no random variable"
         problems.add(f"limit {wanted.text!r}", message)
     problems.raise_if_any()
     slopes = gradient if callable(gradient) else None

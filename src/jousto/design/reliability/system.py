@@ -111,7 +111,7 @@ def system(
     InputError
         For fewer than two limit states, different variables, or an unknown kind.
     DesignPointError, LimitStateError
-        As `form` and `monte_carlo`.
+        As for `form` and `monte_carlo`.
 
     Examples
     --------

@@ -197,8 +197,8 @@ class Work:
             if any(row[j] == DIFFERENCES for row in self._way):
                 self._difference(j)
         self.runs["models"] = self._evaluator.counts["compilations"] - self._before
-        said = [zip(*pair, strict=True) for pair in zip(self._way, self._why, strict=True)]
-        how = tuple(tuple(f"{way}: {why}" if why else way for way, why in row) for row in said)
+        pairs = [zip(*pair, strict=True) for pair in zip(self._way, self._why, strict=True)]
+        how = tuple(tuple(f"{way}: {why}" if why else way for way, why in row) for row in pairs)
         return GradientResult(
             self._values,
             self._jacobian,
@@ -323,7 +323,7 @@ class Work:
         gaps = np.zeros(len(self._values))
         for share in (RELATIVE, CLOSE, WIDE):
             h = share * self._size(j)
-            rise, fall, said = self._one_sided_slopes(j, h)
+            rise, fall, message = self._one_sided_slopes(j, h)
             gap = np.abs(rise - fall)
             larger = np.maximum(np.abs(rise), np.abs(fall))
             noise = 10.0 * self._noise[:, j] * np.abs(self._values) / h
@@ -332,7 +332,7 @@ class Work:
                 bent &= gap * h > FLAT * np.abs(self._values)
             for i in rows:
                 self._jacobian[i, j] = 0.5 * (rise[i] + fall[i])
-                self._why[i][j] += said
+                self._why[i][j] += message
                 if share == CLOSE and bent[i] and gap[i] < 3.0 * gaps[i]:
                     bent[i] = False
                     self._why[i][j] += f"; it bends here, slopes {fall[i]:.6g} and {rise[i]:.6g}"

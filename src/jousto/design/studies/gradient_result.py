@@ -91,8 +91,8 @@ class GradientResult:
         for i, outcome in enumerate(self.outcomes):
             lines.append(f"  {outcome} = {self.values[i]:.6g}")
             for j, parameter in enumerate(self.parameters):
-                said = "" if self.how[i][j] == EXACT else f"  {self.how[i][j]}"
-                lines.append(f"    by {parameter:<{width}}  {self.jacobian[i, j]: .6g}{said}")
+                message = "" if self.how[i][j] == EXACT else f"  {self.how[i][j]}"
+                lines.append(f"    by {parameter:<{width}}  {self.jacobian[i, j]: .6g}{message}")
         used = {how.partition(":")[0] for row in self.how for how in row}
         lines += [f"  {way}: {WAYS[way]}" for way in (MOTION, RUN) if way in used]
         return "\n".join(lines)

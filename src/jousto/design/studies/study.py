@@ -413,5 +413,5 @@ def study(
     if samples is not None:
         made.run(samples, **run)
     elif run:
-        raise InputError(Problem("study", f"{', '.join(run)} without samples to work out"))
+        raise InputError(Problem("study", f"{', '.join(run)} without samples to compute"))
     return made

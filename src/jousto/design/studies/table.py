@@ -112,10 +112,10 @@ class StudyTable(Tabular):
             values = self[name][np.isfinite(self[name])]
             span = f"{values.min():.6g} to {values.max():.6g}" if len(values) else "nothing"
             lines.append(f"  {self.label(name):<{width}}  {span}")
-        told: dict[str, int] = {}
+        counts: dict[str, int] = {}
         for reason in self.failed.values():
-            told[reason] = told.get(reason, 0) + 1
-        lines += [f"  failed {n} x: {reason}" for reason, n in told.items()]
+            counts[reason] = counts.get(reason, 0) + 1
+        lines += [f"  failed {n} x: {reason}" for reason, n in counts.items()]
         lines += [f"  warned {n} x: {note}" for note, n in self.notes.items()]
         return "\n".join(lines)
 

@@ -67,7 +67,7 @@ class HingeCycles(Tabular):
             "elastic": "it never yields",
             "shakedown": "no plastic deformation in the last cycle",
             "alternating": "the last cycle is a closed plastic loop: low-cycle fatigue",
-            "ratchet": "the last cycles add plastic deformation the same way",
+            "ratchet": "in the last cycles the plastic deformation grows in one direction",
             "settling": "each of the last cycles yields less than the one before",
             "undecided": "too few cycles like the last one, in which it yields; give more cycles",
         }

@@ -397,7 +397,7 @@ def assess(
     allowable : float
         Allowable Miner's sum.
     survival : float, optional
-        Probability of survival of damage, life and safety; None is that of the curve.
+        Probability of survival of damage, life and safety; None: that of the curve.
 
     Raises
     ------

@@ -128,7 +128,7 @@ class DamageField(Tabular):
         return int(np.count_nonzero(~self.counted))
 
     def cycles(self, source: StressField | DutyCycle, site: str | None = None) -> Cycles:
-        """Return the cycles of a site of the source; None is the site of the largest damage."""
+        """Return the cycles of a site of the source; None: the site of the largest damage."""
         label = self.worst(1)[0] if site is None else site
         criterion = self.criterion
         if self.normals is not None:
@@ -299,7 +299,7 @@ def damage_field(
     allowable : float
         Allowable Miner's sum.
     survival : float, optional
-        Probability of survival of the results; None is that of the curve.
+        Probability of survival of the results; None: that of the curve.
     planes : int
         Number of normals on a half-sphere for "critical-plane". The coordinate axes and the
         principal directions at the extreme instants are added, and the best normal is refined to

@@ -352,8 +352,8 @@ def random_response(
     shapes = (Z @ shapes)[:, elastic]
     given = np.asarray(damping, dtype=np.float64)
     if given.shape not in ((), (1,), natural.shape):
-        told = f"damping has shape {given.shape}, must be a number or one for each of"
-        raise InputError(Problem(where, f"{told} {len(natural)} modes"))
+        message = f"damping has shape {given.shape}, must be a number or one for each of"
+        raise InputError(Problem(where, f"{message} {len(natural)} modes"))
     zeta = np.broadcast_to(given, natural.shape)
     if not np.all((zeta > 0.0) & (zeta < 1.0)):
         raise InputError(Problem(where, f"damping is {damping!r}, must be above 0 and below 1"))

@@ -48,6 +48,8 @@ def counted(name: str, t: Array, label: str | None) -> tuple[Array, tuple[str, .
                 return factor * (t - first), (f"column '{name}' counts {what}; {remedy}",)
         for low, high, what in DAYS:
             if low < first < high and (name.lower() in DATES or usual < FINE):
-                told = f"column '{name}' counts {what}, in steps of {DAY * usual:.4g} s; {remedy}"
-                return DAY * (t - first), (told,)
+                message = (
+                    f"column '{name}' counts {what}, in steps of {DAY * usual:.4g} s; {remedy}"
+                )
+                return DAY * (t - first), (message,)
     return (t - first if float(np.abs(good).max()) > 1e8 else t), ()

@@ -43,9 +43,9 @@ def read_lvm(path: Path) -> Raw:
         raise InputError(Problem(where, f"runs over {dimension}, not over time"))
     columns = lines[ends[1] + 1].split(separator) if ends[1] + 1 < len(lines) else []
     x = (head.get("X_Columns") or ["One"])[0].lower()
-    said = (head.get("Channels") or [""])[0]
+    entry = (head.get("Channels") or [""])[0]
     titles = [text for text in columns if text.strip() not in ("", "X_Value", "Comment")]
-    count = int(said) if said.isdigit() else len(titles)
+    count = int(entry) if entry.isdigit() else len(titles)
     stop = ends[2] if len(ends) > 2 else len(lines)
     width = count + {"no": 0, "one": 1}.get(x, count)
     if x == "no":  # no column of X: the first field is blank
@@ -62,8 +62,8 @@ def read_lvm(path: Path) -> Raw:
     t = values[:, 0] if x != "no" else _instants(where, head, len(values))
     notes = list(left)
     if len(ends) > 2:
-        told = f"{len(ends) - 2} more segments follow from line {ends[2] + 1}: left out"
-        notes.append(told)
+        message = f"{len(ends) - 2} more segments follow from line {ends[2] + 1}: left out"
+        notes.append(message)
     channels: dict[str, Array] = {}
     for i, (name, k) in enumerate(zip(names, places, strict=True)):
         y = values[:, k]
@@ -84,11 +84,11 @@ def _header(lines: list[str], separator: str) -> dict[str, list[str]]:
 def _instants(where: str, head: dict[str, list[str]], number: int) -> Array:
     found = []
     for key, default in (("X0", "0"), ("Delta_X", "")):
-        said = (head.get(key) or [default])[0] or default
+        entry = (head.get(key) or [default])[0] or default
         try:
-            found.append(float(said.replace(",", ".")))
+            found.append(float(entry.replace(",", ".")))
         except ValueError:
-            message = f"{key} is {said!r}, must be a number, since there is no column of X"
+            message = f"{key} is {entry!r}, must be a number, since there is no column of X"
             raise InputError(Problem(where, message)) from None
     instants = found[0] + found[1] * np.arange(number, dtype=np.float64)
     return np.asarray(instants)
@@ -107,13 +107,13 @@ def _numbers(
         try:
             out.append([float(word.strip() or "nan") for word in words])
         except ValueError:
-            said = " ".join(row)[:40]
-            sentence = f"{said!r} must be {width} numbers"
+            message = " ".join(row)[:40]
+            sentence = f"{message!r} must be {width} numbers"
             raise InputError(Problem(f"{where}:{i}", sentence)) from None
     if not out or not width:
         raise InputError(Problem(where, "has no line of numbers below its header: is it cut off?"))
-    told = f"{len(short)} lines are not {width} numbers and were left out (line {some(short, 3)})"
-    return np.array(out), ((told,) if short else ())
+    text = f"{len(short)} lines are not {width} numbers and were left out (line {some(short, 3)})"
+    return np.array(out), ((text,) if short else ())
 
 
 def _unique(names: list[str]) -> list[str]:

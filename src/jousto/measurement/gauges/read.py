@@ -247,9 +247,9 @@ def _time_column(
             return i
     first = values[:, 0]
     if np.mean(np.diff(first[np.isfinite(first)]) > 0.0) > 0.9:
-        said = None if labels[0] is None else parse_unit(labels[0])
-        spectrum = names[0].lower() in FREQUENCIES or (said is not None and said[0] == "Hz")
-        if said is None and not spectrum:
+        parsed = None if labels[0] is None else parse_unit(labels[0])
+        spectrum = names[0].lower() in FREQUENCIES or (parsed is not None and parsed[0] == "Hz")
+        if parsed is None and not spectrum:
             return 0
         what = "a frequency: this is a spectrum" if spectrum else f"in {labels[0]}"
         raise InputError(
@@ -379,8 +379,8 @@ def _hdf5(path: Path, time: str | None, rate: float | None, given: dict[str, str
                     "give rate= in samples per second",
                 )
             )
-        t, said = found.pop(names[0]), labels.pop(names[0])
-        unit = given.pop(names[0], said)
+        t, label = found.pop(names[0]), labels.pop(names[0])
+        unit = given.pop(names[0], label)
         t, about = counted(names[0], t, unit)
         notes += about
     columns = {}

@@ -266,11 +266,11 @@ class Monitor:
     def _stress(self, p: Posterior) -> tuple[Array, ...]:
         """Return stress, low and high (k, ns) of the hot spots; nan without an estimate."""
         moved = p.deviations(slice(None))
-        told = np.isfinite(p.p)
-        if len(p.covariances) == 1 and np.count_nonzero(told) == told.size:
+        known = np.isfinite(p.p)
+        if len(p.covariances) == 1 and np.count_nonzero(known) == known.size:
             return self.band(p.p, p.covariances[0], moved)
         found = tuple(np.full((len(p), len(self.spots)), np.nan) for _ in range(3))
-        whole = told.all(axis=1)
+        whole = known.all(axis=1)
         for m, P in enumerate(p.covariances):
             rows = whole & (p.which == m)
             if rows.any():

@@ -146,13 +146,13 @@ class MonitorSettings(GaugeErrors):
         reduced = body.reduced if isinstance(body, FlexibleBody) else body
         B = np.vstack([gauge.rows for gauge in self.gauges])
         prior = None if run is None else prior_of(run, self.body)
-        said = {"factor": self.factor, "position": self.position, "angle": self.angle}
+        deviations = {"factor": self.factor, "position": self.position, "angle": self.angle}
         twin = Reconstruction(
             B,
             noise=self.noise,
             prior=prior,
             names=tuple(gauge.name for gauge in self.gauges),
-            errors=gauge_errors(self.gauges, **said) if any(said.values()) else None,
+            errors=gauge_errors(self.gauges, **deviations) if any(deviations.values()) else None,
         )
         spots = self.spots
         if isinstance(spots, int):

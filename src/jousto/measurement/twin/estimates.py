@@ -66,7 +66,7 @@ class Posterior:
         Returns
         -------
         (nt, ..., k) array or None
-            As `deviations`.
+            As for `deviations`.
         """
         moved = self.deviations(instants)
         if moved is None:

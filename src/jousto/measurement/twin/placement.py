@@ -182,14 +182,14 @@ def place_gauges(
     rows = B[chosen]
     s = la.svdvals(rows / sd[chosen, None])
     condition = float(s[0] / s[-1]) if len(rows) >= n and s[-1] > 1e-12 * s[0] else float("inf")
-    told = history if criterion == "D" else [float(np.sqrt(-x / len(S))) for x in history]  # type: ignore[arg-type]
+    values = history if criterion == "D" else [float(np.sqrt(-x / len(S))) for x in history]  # type: ignore[arg-type]
     return Placement(
         tuple(labels[i] for i in chosen),
         np.array(chosen, dtype=np.intp),
         rows,
         criterion,
-        told[-1],
-        tuple(told),
+        values[-1],
+        tuple(values),
         condition,
     )
 

@@ -377,11 +377,11 @@ class Reconstruction:
         inverse = la.inv(R)
         weighted = inverse @ B
         diagonal = np.diag(inverse - weighted @ P @ weighted.T)
-        told = diagonal > 1e-9 * np.diag(inverse)
-        safe = np.where(told, diagonal, 1.0)
+        known = diagonal > 1e-9 * np.diag(inverse)
+        safe = np.where(known, diagonal, 1.0)
         # Q e = Rn^-1 (e - B p)
-        value = np.where(told, residual @ inverse.T / safe, np.inf)
-        size = np.where(told, 1.0 / np.sqrt(safe), np.inf)
+        value = np.where(known, residual @ inverse.T / safe, np.inf)
+        size = np.where(known, 1.0 / np.sqrt(safe), np.inf)
         return value, np.broadcast_to(size, value.shape)
 
     def _check(self) -> None:

@@ -259,7 +259,7 @@ class BeamBody(Posed, tag="beam"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Store nodes, frames and unstressed strains; report arguments that do not fit together."""
+        """Store nodes, frames and unstressed strains; report inconsistent arguments."""
         mass, elements, reference = vars(self)["mass"], vars(self)["elements"], self.reference
         nodes = checked_nodes(problems, where, self.points, elements)
         sections = checked_sections(problems, where, self.section, self.material, nodes)

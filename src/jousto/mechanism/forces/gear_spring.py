@@ -93,7 +93,7 @@ class HarmonicDrive(GearLaw, tag="harmonic-drive"):
 
     @property
     def table(self) -> Table | None:
-        """Torque along the coordinate, N m, less that of the last stiffness; constant outside."""
+        """Torque along the coordinate, N m, minus that of the last stiffness; constant outside."""
         if not len(self.torques):
             return None
         e = np.concatenate([-self.corners[::-1], [0.0], self.corners])

@@ -116,7 +116,7 @@ class _Controller(Actuator):
         kw_only=True,
     )
     initial: Number = field(
-        "Integral part at the start, such as the load that the controller holds",
+        "Integral part at the start, such as the load that the controller balances",
         unit=FORCE,
         default=0.0,
         kw_only=True,

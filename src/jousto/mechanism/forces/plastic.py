@@ -51,9 +51,9 @@ class PlasticSpring(ForceElement, tag="plastic-spring"):
     reaches ``strength + R``. The back force X (kinematic hardening) follows ``X' = kinematic p' -
     recovery X |p'|``. The increase R of the yield force (isotropic hardening) is
     ``R = isotropic l + saturation (1 - exp(-rate l))``, l being the length of the plastic path,
-    ``l' = |p'|``. Without hardening the spring is elastic, perfectly plastic. The
-    hardening numbers are plastic moduli: with ``kinematic = H`` alone the slope beyond yielding is
-    ``k H / (k + H)``.
+    ``l' = |p'|``. Without hardening the spring is elastic up to yielding, then perfectly
+    plastic. The hardening numbers are plastic moduli: with ``kinematic = H`` alone the slope beyond
+    yielding is ``k H / (k + H)``.
 
     `kinematic` with `recovery` is the law of Armstrong and Frederick (CEGB report RD/B/N731, 1966);
     X is then bounded by ``kinematic / recovery``. Steps end where yielding begins and where the

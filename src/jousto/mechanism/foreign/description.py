@@ -118,8 +118,8 @@ def read_description(path: Path, where: str) -> Description:
             alone.seek(0)
             about = fmpy.read_model_description(alone, validate=False)
     except Exception as error:  # the reader raises many types of exceptions on malformed XML
-        said = harmless(f"{error}").strip().splitlines() or [type(error).__name__]
-        message = f"its modelDescription.xml cannot be read: {said[0][:200]}"
+        note = harmless(f"{error}").strip().splitlines() or [type(error).__name__]
+        message = f"its modelDescription.xml cannot be read: {note[0][:200]}"
         raise InputError(Problem(where, message)) from None
     version = int(str(about.fmiVersion).partition(".")[0])
     if version not in (2, 3):

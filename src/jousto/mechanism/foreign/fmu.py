@@ -245,8 +245,8 @@ class Fmu(Declared, section="fmus"):
             unit = (found.dimension if found else "") or "1"
             made.append(FmuSensor(f"{self.name}.{name}", unit, f"output {name} of {self.name}"))
             if self.estimate:
-                said = f"estimated error of {name} in one step"
-                made.append(FmuSensor(f"{self.name}.{name}.error", unit, said))
+                message = f"estimated error of {name} in one step"
+                made.append(FmuSensor(f"{self.name}.{name}.error", unit, message))
         if self.power:
             texts = (
                 "energy delivered by the unit",

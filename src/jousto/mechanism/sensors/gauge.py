@@ -59,7 +59,7 @@ class Spot(Field[str | ArrayLike, str | Array]):
     noun = "str or (3,) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the label or the position, or report what is wrong."""
+        """Return the label or the position, or report its problems."""
         return value if isinstance(value, str) else problems.array(where, self.name, value, (3,))
 
 

@@ -31,8 +31,8 @@ def cad_scale(path: Path, unit: str | None) -> float:
                     "has no END-ISO-10303-21 at its end: the file is truncated; export it again",
                 )
             )
-        said = step_unit(data)
-        return 1e-3 if unit is None else 1e-3 * LENGTHS[unit] / said
+        own = step_unit(data)
+        return 1e-3 if unit is None else 1e-3 * LENGTHS[unit] / own
     if re.match(rb"\s*(DBRep_DrawableShape|CASCADE Topology|Open CASCADE Topology)", data):
         if unit is None:
             raise InputError(

@@ -143,9 +143,9 @@ def archive(path: Path) -> dict[str, Any]:
             "element_components": {k: np.asarray(v) for k, v in found.element_components.items()},
         }
     except Exception as error:
-        said = f"{type(error).__name__}: {error}"[:160]
+        message = f"{type(error).__name__}: {error}"[:160]
         raise InputError(
-            Problem(path.name, f"cannot be read; it may be truncated (mapdl-archive: {said})")
+            Problem(path.name, f"cannot be read; it may be truncated (mapdl-archive: {message})")
         ) from None
 
 

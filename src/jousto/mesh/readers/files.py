@@ -92,8 +92,8 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
     for place, sentence in raw.left_out:
         warn(place, sentence)
     if raw.length is not None and not math.isclose(raw.length, factor, rel_tol=1e-6):
-        said = next((u for u, f in LENGTHS.items() if math.isclose(f, raw.length)), None)
-        remedy = f"; give unit='{said}'" if said else ""
+        named = next((u for u, f in LENGTHS.items() if math.isclose(f, raw.length)), None)
+        remedy = f"; give unit='{named}'" if named else ""
         warn(
             where, f"contains the unit of length {raw.length:.6g} m, but is read in {unit}{remedy}"
         )

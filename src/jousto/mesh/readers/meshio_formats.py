@@ -31,13 +31,13 @@ def read_vtk(path: Path) -> RawMesh:
     """Return the mesh of a legacy VTK file; see :func:`read_vtu`."""
     mesh = _load(path, "vtk")
     # meshio reads truncated files without an error
-    told = re.search(rb"^CELL_TYPES\s+(\d+)", path.read_bytes(), re.MULTILINE)
+    match = re.search(rb"^CELL_TYPES\s+(\d+)", path.read_bytes(), re.MULTILINE)
     found = sum(len(block.data) for block in mesh.cells)
-    if told and int(told[1]) > found:
+    if match and int(match[1]) > found:
         raise InputError(
             Problem(
                 path.name,
-                f"announces {int(told[1])} cells but contains {found}; the file is truncated",
+                f"announces {int(match[1])} cells but contains {found}; the file is truncated",
             )
         )
     return _with_data(path, mesh)
@@ -141,14 +141,14 @@ def _loaded(meshio: Any, path: Path, form: str) -> Any:
         with contextlib.redirect_stdout(heard), contextlib.redirect_stderr(heard):
             return meshio.read(path, file_format=form)
     except SystemExit:
-        said = " ".join(heard.getvalue().split()).removeprefix("Error: ")
+        message = " ".join(heard.getvalue().split()).removeprefix("Error: ")
     except Exception as error:
-        said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        message = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     raise InputError(
         Problem(
             path.name,
             f"cannot be read as a .{form} file; it may be truncated or damaged (meshio: "
-            f"{said[:200]})",
+            f"{message[:200]})",
         )
     )
 

@@ -37,10 +37,10 @@ def read_nblocks(path: Path, data: bytes) -> tuple[Ints, Array]:
         first = data.count(b"\n", 0, found.end()) + 1  # line of the first node
         form = _FORMAT.match(found[1])
         if form is None:
-            said = found[1].decode("latin-1").strip()
+            layout = found[1].decode("latin-1").strip()
             where = f"{path.name}:{first - 1}"
             raise InputError(
-                Problem(where, f"the format of NBLOCK is '{said}', must be like (3i9,6e21.13e3)")
+                Problem(where, f"the format of NBLOCK is '{layout}', must be like (3i9,6e21.13e3)")
             )
         end = _END.search(data, found.end())
         body = data[found.end() : end.start() if end else len(data)]

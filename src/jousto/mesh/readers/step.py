@@ -223,10 +223,10 @@ def _session(gmsh: Any, where: str) -> Iterator[None]:
     except Exception as error:
         if type(error) is not Exception:  # Gmsh raises plain exceptions with a message
             raise
-        said = " ".join(str(error).split())[:200]
+        message = " ".join(str(error).split())[:200]
         raise InputError(
             Problem(
-                where, f"Gmsh cannot mesh this geometry ({said}); repair it or try another size"
+                where, f"Gmsh cannot mesh this geometry ({message}); repair it or try another size"
             )
         ) from None
 
@@ -239,9 +239,9 @@ def _load(gmsh: Any, path: Path) -> dict[str, list[int]]:
     try:
         shapes = occ.importShapes(str(path), format="step" if step else "brep")
     except Exception as error:
-        said = " ".join(str(error).split())[:160]
+        message = " ".join(str(error).split())[:160]
         raise InputError(
-            Problem(path.name, f"cannot be read; it may be damaged (Gmsh: {said})")
+            Problem(path.name, f"cannot be read; it may be damaged (Gmsh: {message})")
         ) from None
     solids = [shape for shape in shapes if shape[0] == 3]
     if not solids:

@@ -69,8 +69,8 @@ def apart(path: Path, function: str, remedy: str, **arguments: Any) -> Any:
             with np.load(folder / ARRAYS, allow_pickle=False) as file:
                 arrays = {key: file[key] for key in file.files}
         except (OSError, ValueError):
-            said = next((line for line in reversed(last) if line.strip()), "")
-            raise InputError(Problem(path.name, f"{ending(code, said)}; {remedy}")) from None
+            message = next((line for line in reversed(last) if line.strip()), "")
+            raise InputError(Problem(path.name, f"{ending(code, message)}; {remedy}")) from None
     for text in answer["warnings"]:
         warn("", text)
     if answer["problems"]:

@@ -23,7 +23,7 @@ def main(folder: Path) -> None:
     arguments["path"] = Path(arguments["path"])
     arrays: dict[str, np.ndarray[Any, Any]] = {}
     value, problems = None, []
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             value = packed(getattr(import_module(module), name)(**arguments), arrays)
@@ -32,7 +32,7 @@ def main(folder: Path) -> None:
     answer = {
         "value": value,
         "problems": problems,
-        "warnings": [str(item.message) for item in told if item.category is JoustoWarning],
+        "warnings": [str(item.message) for item in caught if item.category is JoustoWarning],
     }
     with (folder / ARRAYS).open("wb") as file:
         np.savez(file, allow_pickle=False, **arrays)

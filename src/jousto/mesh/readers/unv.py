@@ -71,10 +71,10 @@ class _Set:
 
     def wrong(self, i: int, wanted: str) -> InputError:
         """Return the error for a line with wrong content."""
-        said = f"'{self.lines[i].strip()[:60]}'" if i < len(self.lines) else "the end"
+        message = f"'{self.lines[i].strip()[:60]}'" if i < len(self.lines) else "the end"
         return InputError(
             Problem(
-                self.where(i), f"{said}, must be {wanted}; the file may be truncated or damaged"
+                self.where(i), f"{message}, must be {wanted}; the file may be truncated or damaged"
             )
         )
 
@@ -201,8 +201,8 @@ def _elements(data: _Set, raw: RawMesh) -> None:
         given = len(nodes)
         nodes = [nodes[0], nodes[-1]] if kind == "line" else nodes
         if len(nodes) != KINDS[kind] or count != given:
-            said = f"element {label} of type {code} has {count} nodes, {given} are listed"
-            sentence = f"{said}; must be {KINDS[kind]}; the file may be truncated or damaged"
+            message = f"element {label} of type {code} has {count} nodes, {given} are listed"
+            sentence = f"{message}; must be {KINDS[kind]}; the file may be truncated or damaged"
             raise InputError(Problem(data.where(i - 1), sentence))
         order = _ORDER.get(kind, range(len(nodes)))
         rows.setdefault(kind, []).append((label, [nodes[j] for j in order]))

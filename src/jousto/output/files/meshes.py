@@ -29,7 +29,7 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
     path : path
         File; its suffix selects the format: .vtu (ParaView; sets are data of points and cells),
         .vtk, .inp (Abaqus, CalculiX; sets keep their names), .msh (Gmsh 2.2), .med, .bdf, .nas, or
-        .stl for the surface alone. Only .vtu and .inp keep sets.
+        .stl for the surface alone. Only .vtu, .vtk and .inp keep sets.
     unit : str
         Unit of length in the file; positions have eleven digits.
 
@@ -57,8 +57,8 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
             out.name, "this format is written without the sets of the mesh; .vtu and .inp keep them"
         )
     if suffix != "stl" and (lost := _unsupported(mesh, suffix)):
-        told = "give formulation= to Part.solid where the file is read"
-        warn(out.name, f"this format has no element for {lost}; {told}")
+        text = "give formulation= to Part.solid where the file is read"
+        warn(out.name, f"this format has no element for {lost}; {text}")
     try:
         import meshio
     except ImportError:
@@ -91,8 +91,8 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
     except (SystemExit, Exception) as error:
         if isinstance(error, InputError):
             raise
-        said = " ".join((heard.getvalue() or str(error)).split())[:200]
-        raise InputError(Problem(out.name, f"cannot be written (meshio: {said})")) from None
+        message = " ".join((heard.getvalue() or str(error)).split())[:200]
+        raise InputError(Problem(out.name, f"cannot be written (meshio: {message})")) from None
     return out
 
 

@@ -51,7 +51,7 @@ def write_film(path: Path, frames: Iterable[Pixels], count: int, fps: float) -> 
 
 
 def _write_gif(path: Path, frames: list[Pixels], fps: float) -> None:
-    # one palette from a few frames: constant areas stay constant, and the file small
+    # one palette from a few frames, which keeps constant areas constant and the file small
     palette = Palette([frames[i] for i in np.linspace(0, len(frames) - 1, 5).astype(int)])
     images = [palette.index(frame) for frame in frames]
     images[0].save(
@@ -152,9 +152,9 @@ def _write_mp4(path: Path, beside: Path, frames: Iterator[Pixels], fps: float) -
             process.stdin.close()
         except BrokenPipeError:
             pass  # the exit code and stderr of ffmpeg are checked below
-        said = process.stderr.read().decode(errors="replace").strip()
+        message = process.stderr.read().decode(errors="replace").strip()
         if process.wait() != 0:
-            raise InputError(Problem(str(path), f"ffmpeg failed: {said}"))
+            raise InputError(Problem(str(path), f"ffmpeg failed: {message}"))
 
 
 def _page(title: str, frames: Iterable[Pixels], count: int, fps: float) -> str:

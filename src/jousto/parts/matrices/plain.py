@@ -76,7 +76,7 @@ def _check_header(path: Path) -> None:
     numbers = [int(word) for word in line.split() if word.isdigit()]
     sparse = b"array" not in kind
     if len(numbers) < 2 or (sparse and len(numbers) < 3):
-        return  # the reader reports what is wrong
+        return  # the reader reports the problem
     rows, columns = numbers[:2]
     entries = numbers[2] if sparse else rows * columns // (1 if b"general" in kind else 2)
     # an entry has at least "1 1 1" and a line end, or "1" in a full matrix

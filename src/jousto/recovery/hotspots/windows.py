@@ -99,5 +99,5 @@ def spectral(B: Array) -> Array:
         A = A @ A
     trace = np.einsum("kij,kij->k", A, A)
     n_ops = UNIT * (B.shape[2] + SAFETY)
-    # rounding error of the trace, which after normalisation is at most that of values of size 1
+    # rounding error of the trace; after normalisation all values are at most 1
     return np.asarray(np.sqrt(size) * (trace + 8.0 * n_ops) ** 0.0625 * (1.0 + n_ops))

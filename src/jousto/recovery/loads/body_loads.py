@@ -318,8 +318,8 @@ class BodyLoads(Mapping[str, BodyLoad]):
         """One line on the balance."""
         worst = self.balance.max(axis=0, initial=0.0)
         used = [k for k in range(3) if k < 2 or self.loads[0].modal.shape[1]]
-        said = ", ".join(f"{GROUPS[k]} {worst[k]:.1e}" for k in used)
-        return f"balance: sum of all loads relative to their sizes: {said}"
+        message = ", ".join(f"{GROUPS[k]} {worst[k]:.1e}" for k in used)
+        return f"balance: sum of all loads relative to the sum of their magnitudes: {message}"
 
     def __str__(self) -> str:
         rows = self.table(None if len(self.time) > 1 else float(self.time[0]))

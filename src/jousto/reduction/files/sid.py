@@ -73,8 +73,8 @@ class Block:
             return "has m1 though its order is 0"
         at = place if which == "m0" else (place[0], place[2], place[1])
         if any(not 0 <= i < size for i, size in zip(at, target.shape, strict=True)):
-            said = ", ".join(str(i + 1) for i in place)
-            return f"{which}({said}) is outside of {' x '.join(map(str, target.shape))}"
+            index = ", ".join(str(i + 1) for i in place)
+            return f"{which}({index}) is outside of {' x '.join(map(str, target.shape))}"
         target[at] = value
         if which == "m0" and self.head["structure"] == SYMMETRIC:
             target[at[::-1]] = value
@@ -175,8 +175,8 @@ def _parse(text: str, where: str) -> Text:
                 broken = bool(wrong)
                 if wrong:
                     problems.add(at, f"{block.name} {wrong}")
-        elif said := _SAID.match(line.strip()):
-            key, value = said[1], said[2].strip()
+        elif match := _SAID.match(line.strip()):
+            key, value = match[1], match[2].strip()
             wrong = ""
             if block is not None and key in HEAD:
                 wrong = _headed(block, key, value)

@@ -58,7 +58,7 @@ def held_coordinates(
             loose = [k for k in range(6) if k not in own and moved[k] and node.places[k] >= 0]
             if loose:
                 word = DIRECTIONS[loose[0]]
-                problems.add(label, f"settlement moves {node.name} in {word}, which is not held")
+                problems.add(label, f"settlement moves {node.name} in {word}, which is free")
                 break
             settled.update({int(node.places[k]): moved[k] for k in own})
     held = np.array(sorted(settled), dtype=np.intp)

@@ -72,7 +72,7 @@ class NodeStiffness(Field[Any, Array]):
         size[size == 0.0] = 1.0
         lowest = np.linalg.eigvalsh(K / np.outer(size, size))[0]
         if np.diag(K).min() < 0.0 or lowest < -INDEFINITE:
-            message = "stiffness has a negative eigenvalue: it pushes nodes away"
+            message = "stiffness has a negative eigenvalue: it is unstable and pushes nodes away"
             problems.add(where, message, self.name)
         return read_only(0.5 * (K + K.T))
 

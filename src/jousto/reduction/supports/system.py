@@ -28,7 +28,7 @@ DEPENDENT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class SupportedNode:
-    """A node with the indices of its coordinates, -1 for a rotation that it has not."""
+    """A node with the indices of its coordinates, -1 for a missing rotation."""
 
     name: str
     at: Array
@@ -329,7 +329,7 @@ def _nodes(problems: Problems, label: str, sets: Any, points: Array, on: Any) ->
 
 
 def _six(places: Index) -> Index:
-    """Return the coordinates of a node (6,), -1 for rotations that it has not."""
+    """Return the coordinates of a node (6,), -1 for missing rotations."""
     return np.concatenate([places, np.full(6 - len(places), -1)]).astype(np.intp)
 
 

@@ -110,7 +110,7 @@ def inverse_kinematics(
         Target of its axes in the world: Euler parameters, a rotation matrix, `Rotate`; None for
         any.
     start : (nq,) array_like, optional
-        First starting point; None is the initial pose of the machine. The first solution is
+        First starting point; None: the initial pose of the machine. The first solution is
         returned, so that a start nearby keeps the branch.
     tolerance, angle_tolerance : float
         Largest distance, m, and angle, rad, from the target.

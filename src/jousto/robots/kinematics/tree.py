@@ -60,7 +60,7 @@ class Tree:
         their undeformed shape. Joints of the tree are revolute, prismatic, cylindrical, screw,
         universal, planar, spherical and fixed; all others are cut.
     gravity : (3,) array_like, optional
-        Gravitational acceleration, m/s2; None is that of the machine.
+        Gravitational acceleration, m/s2; None: that of the machine.
     limits : dict of str to (float, float), optional
         Lower and upper limits of coordinates by name, also of cut joints, in addition to those of
         a robot.

@@ -27,7 +27,7 @@ def merge_and_check(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Ro
     A link on a fixed joint may have any inertia if the merged link has a possible one.
     """
     made = fix_massless_joints(add, made)
-    wrong = {link.name: said for link in made.links if (said := wrong_mass(link))}
+    wrong = {link.name: message for link in made.links if (message := wrong_mass(link))}
     whole, homes = merge_links(made)
     if not merge:
         whole, homes = made, {link.name: link.name for link in made.links}
@@ -36,15 +36,15 @@ def merge_and_check(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Ro
     held = held_links(whole)
     links, size = [], extent(made)
     for link in whole.links:
-        said = wrong_mass(link)
-        if said and repair and link.mass > 0.0 and link.name not in held:
-            add.note(link, f"{said}; repaired")
+        message = wrong_mass(link)
+        if message and repair and link.mass > 0.0 and link.name not in held:
+            add.note(link, f"{message}; repaired")
             link = replace(link, inertia=nearest_inertia(link, size))
-        elif said and link.name not in held:
+        elif message and link.name not in held:
             names = [name for name in wrong if homes[name] == link.name] or [link.name]
             known = {one.name: one for one in made.links}
             for name in names:
-                add(known[name], wrong.get(name, said))
+                add(known[name], wrong.get(name, message))
         links.append(link)
     bad = {link.name for link in whole.links if wrong_mass(link) and link.name not in held}
     for link in made.links:
@@ -124,9 +124,9 @@ def wrong_mass(link: Link) -> str:
 
 def check_mass(add: Adder, link: Link) -> None:
     """Add a problem if mass and inertia of a link are impossible."""
-    said = wrong_mass(link)
-    if said:
-        add(link, said)
+    message = wrong_mass(link)
+    if message:
+        add(link, message)
 
 
 def nearest_inertia(link: Link, size: float) -> Array:

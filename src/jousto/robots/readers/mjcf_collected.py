@@ -26,7 +26,7 @@ class Collected:
     Attributes
     ----------
     links, joints, loops, actuators
-        As of `Robot`.
+        As for `Robot`.
     sites : dict of str to Site
         Sites by name.
     springs : dict of str to (float, float)

@@ -258,8 +258,8 @@ def _gains(
         return kp, (0.0, -kp, -kv), reading.number(element, "dampratio", 0.0)
     kinds = [given.get(key, spare) for key, spare in _KINDS]
     if kinds[0] != "fixed" or kinds[1] not in ("none", "affine") or kinds[2] != "none":
-        said = ", ".join(f"{key} {x}" for (key, _), x in zip(_KINDS, kinds, strict=True))
-        reading.effect(element, f"a general actuator with {said}", NO_FORCE)
+        message = ", ".join(f"{key} {x}" for (key, _), x in zip(_KINDS, kinds, strict=True))
+        reading.effect(element, f"a general actuator with {message}", NO_FORCE)
         return None
     gain, bias = (reading.list(element, key) for key in ("gainprm", "biasprm"))
     b = np.zeros(3)

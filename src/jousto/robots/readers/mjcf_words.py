@@ -8,9 +8,9 @@ OUT_OF_FILE = (
     "is not read; write the model out in full (MuJoCo's mj_saveLastXML does) and read that"
 )
 CONTACT = "contact is not modelled: bodies that touch pass through each other"
-SOFT = "the softness of constraints is not read: limits are stops, and what is tied is tied rigidly"
+SOFT = "the softness of constraints is not read: limits are stops, and ties are rigid"
 MEDIUM = "drag and lift of the medium are left out: bodies move as in a vacuum"
-FRAME = "the frame of a free body stays where the file places it, which its coordinates count from"
+FRAME = "the frame of a free body is its place in the file, from which its coordinates count"
 TENDON = (
     "springs, dampers, friction, limits and rotors of tendons are left out: they exert no force"
 )
@@ -21,9 +21,9 @@ NO_FORCE = (
 NO_LIMIT = "is kept by position servos alone: what this actuator exerts may exceed it"
 LOPSIDED = "is not symmetric; the larger end is the limit of both"
 ALONE = "limits each actuator of the joint by itself, not their sum"
-DELAY = "the delay of the control signal is left out: the force follows at once"
-LAG = "the dynamics of the actuator are left out: the force follows the control signal at once"
-UNTIED = "is not held: what it ties moves freely"
+DELAY = "the delay of the control signal is left out: the force follows immediately"
+LAG = "the dynamics of the actuator are left out: the force follows the control signal immediately"
+UNTIED = "is ignored: the bodies that it ties move freely"
 POSE = "pos quat axisangle xyaxes zaxis euler"
 TOUCH = "contype conaffinity condim friction priority solmix solref solimp margin gap surfacevel"
 SOLVING = (
@@ -107,7 +107,7 @@ TAGS: dict[str, Tag] = {
     "asset/mesh": Tag(
         done="name class file vertex face scale inertia refpos refquat",
         quiet="content_type normal texcoord smoothnormal maxhullvert material params",
-        words={"builtin plugin": warned("the mesh is not made: what shows it is left out")},
+        words={"builtin plugin": warned("the mesh is not created, its shapes are left out")},
     ),
     "asset/hfield": QUIET_TAG,
     "asset/skin": QUIET_TAG,
@@ -117,7 +117,7 @@ TAGS: dict[str, Tag] = {
     "body/body": Tag(
         done=f"name childclass gravcomp {POSE}",
         quiet="user sleep simple fuse",
-        words={"mocap": warned("it stands still where the file places it", "false")},
+        words={"mocap": warned("it is fixed at its place in the file", "false")},
     ),
     "body/frame": Tag(done=f"childclass {POSE}", quiet="name"),
     "body/replicate": Tag(done="count offset euler sep childclass"),

@@ -220,8 +220,8 @@ class _Reader:
             return self.placed[name]
         element = self.named.get(name)
         if element is None or depth > len(self.named):
-            said = f"no link, joint or frame {name!r}" if element is None else "goes in a circle"
-            self.reading.add(asking, said)
+            message = f"no link, joint or frame {name!r}" if element is None else "goes in a circle"
+            self.reading.add(asking, message)
             return Frame()
         pose = element.first("pose")
         above = "" if pose is None else pose.given.get("relative_to", "")

@@ -9,7 +9,7 @@ LEFT = "is left out"
 PUSH = "forces of plugins are left out"
 WIND = "wind and the forces of fluids are left out: links move as in a vacuum"
 SOFT = "the softness of limits is not read: they are stops"
-STATE = "is not read: joints start at zero, or where at= says"
+STATE = "is not read: joints start at zero, or at the value of at="
 CONTACT = "contact is not modelled: links that touch pass through each other"
 _off = ("false", "0")
 _angles = Tag(done="degrees rotation_format relative_to")

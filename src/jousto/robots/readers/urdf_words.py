@@ -5,7 +5,9 @@ from __future__ import annotations
 from jousto.robots.readers.words import QUIET_TAG, Format, Tag, warned
 
 MOTORS = "motors and their gears are not read; put forces on joints with efforts={joint: signal}"
-WEIGHT = "the weight acts on this link, and no spring on this joint, whatever is said for Gazebo"
+WEIGHT = (
+    "the weight acts on this link, and no spring on this joint, even with other settings for Gazebo"
+)
 _pose = Tag(done="xyz rpy quat_xyzw")
 
 TAGS = {

@@ -23,10 +23,10 @@ class Word:
     text : str
         Effect, for a warning, or remedy, for an error.
     unless : tuple of str
-        Values of an attribute that have no effect and are not reported; a word, or a number that
-        all numbers of the value equal.
+        Values of an attribute without effect, which are not reported: a word, or a number to which
+        all numbers of the value are equal.
     silent : bool
-        Whether the reader reports the word itself, once for all words of this kind.
+        Whether the word is not reported here, since the reader reports all words of its kind once.
     """
 
     treatment: str

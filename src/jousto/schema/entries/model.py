@@ -103,7 +103,7 @@ class ParameterEntry(Entry):
     value: Amount
     bounds: tuple[Amount, Amount] | None = Field(None, description="Smallest and largest value")
     distribution: Text | None = Field(
-        None, description="How it scatters, such as lognormal(mean=1 kN, sd=100 N)"
+        None, description="Distribution of the value, such as lognormal(mean=1 kN, sd=100 N)"
     )
 
 

@@ -309,7 +309,7 @@ class Section(Mapping[str, Any]):
             try:
                 item = self.object(i)
             except CircleError:
-                self.builder.note(loc, f"{name!r} stands on itself")
+                self.builder.note(loc, f"{name!r} depends on itself")
                 item = self.made[i] = None
             found.append((loc, item))
         return [(loc, item) for loc, item in found if item is not None]

@@ -182,7 +182,7 @@ def base(place: Place, name: str) -> Any:
         return ground["origin"]
     body = bodies.get(name) or builder.frame(name)
     if body is None and bodies.opened(name):
-        builder.note(place.loc, f"{name!r} stands on this robot itself")
+        builder.note(place.loc, f"{name!r} depends on this robot itself")
     elif body is None:
         builder.unknown(place.loc, "bodies", "body", name, [*bodies.names(), "ground"])
     elif isinstance(body, FlexibleBody):
@@ -201,13 +201,13 @@ def starts(place: Place, given: Mapping[str, Any]) -> Any:
     found: dict[str, float] = {}
     for key, value in given.items():
         here, (name,) = place.at(key), by_joint({key: value})
-        said, x = wrong_joint(made, name), None
-        if not said:
+        message, x = wrong_joint(made, name), None
+        if not message:
             unit = "rad" if kinds[name] == SINGLE[0] else "m"
             x = build_amount(here.builder, here.loc, value, unit)
-            said = "" if x is None else wrong_start(made, name, x, ends)
-        if said:
-            here.builder.note(here.loc, said)
+            message = "" if x is None else wrong_start(made, name, x, ends)
+        if message:
+            here.builder.note(here.loc, message)
         elif x is not None:
             found[name] = x
     return found if len(found) == len(given) else None

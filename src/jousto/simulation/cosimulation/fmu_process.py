@@ -211,8 +211,8 @@ class FmuProcess:
         self._printed.seek(0, os.SEEK_END)
         self._printed.seek(max(0, self._printed.tell() - 400))
         lines = self._printed.read().decode(errors="replace").split("\n")
-        said = next((line.strip() for line in reversed(lines) if line.strip()), "")
-        return f", it printed {said[:160]!r}" if said else ""
+        message = next((line.strip() for line in reversed(lines) if line.strip()), "")
+        return f", it printed {message[:160]!r}" if message else ""
 
 
 def _ending(code: int) -> str:

@@ -54,11 +54,11 @@ class LiveMachine:
     solver : Solver, optional
         Method with a fixed step; None chooses as `simulate` does.
     step : float, optional
-        Step of the method, s; None is that of the solver.
+        Step of the method, s; None: that of the solver.
     interval : float, optional
         Time between rows, at which inputs change, s; a multiple of the step. None is about 10 ms.
     state : State, optional
-        Initial state, also of `reset`; None is that of the model.
+        Initial state, also of `reset`; None: that of the model.
 
     Attributes
     ----------

@@ -314,8 +314,8 @@ class Runner:
         else:
             machine.happened.clear()
         if machine.stopped:
-            said = f"stopped by event '{machine.stopped}' at {machine.time:.9g} s"
-            self._stop(f"{said}; play continues from here", said)
+            message = f"stopped by event '{machine.stopped}' at {machine.time:.9g} s"
+            self._stop(f"{message}; play continues from here", message)
             return False
         return True
 

@@ -328,7 +328,7 @@ def at_rest(model: Model, state: State) -> Rest:
     lift = scale[:, None] * np.linalg.inv(root).T
     N, pseudo = (lift @ x for x in free_motions(by_q[0] @ lift))
     K = by_q[1] - M @ pseudo @ by_q[2]
-    # joints may hold what is stiffest: the rounding errors have the size of K before they do
+    # joints may constrain the stiffest directions, but rounding errors have the size of the full K
     round_off = ROUND_OFF * float(np.linalg.norm(lift.T @ K @ lift))
     return Rest(N, N.T @ K @ N, M, T.T @ a, lam, round_off)
 
@@ -360,7 +360,7 @@ def linearise(
     model : Model
         From `compile`.
     state : State, optional
-        State of the linearisation; None is the initial state.
+        State of the linearisation; None: the initial state.
     inputs : names, optional
         External inputs to keep; None keeps all.
     outputs : names, optional
@@ -428,7 +428,7 @@ def modes(
     model : Model
         From `compile`.
     state : State, optional
-        State of the linearisation, usually from `equilibrium`; None is the initial state. If it is
+        State of the linearisation, usually from `equilibrium`; None: the initial state. If it is
         not in equilibrium, the mechanism accelerates and K contains the change of the inertia
         forces with the position; frequencies of beams with an eccentric mass then have errors of
         many per cent.

@@ -157,10 +157,10 @@ def pick(run: Sensed, name: Any, more: Iterable[str] = ()) -> tuple[str, list[in
         chosen = chosen or [i for i, c in enumerate(components) if c.endswith(f":{rest}")]
         if chosen:
             return sensor, chosen
-        said = f"sensor '{sensor}' has no component '{rest}'{suggest(rest, components)}"
+        message = f"sensor '{sensor}' has no component '{rest}'{suggest(rest, components)}"
     else:
-        said = f"no sensor {name!r}{suggest(name, [*known, *more])}"
-    raise UnknownNameError(Problem(run.where, said))
+        message = f"no sensor {name!r}{suggest(name, [*known, *more])}"
+    raise UnknownNameError(Problem(run.where, message))
 
 
 def selected_names(run: Sensed, names: Sequence[Any], sensors: Any) -> tuple[str, ...]:

@@ -245,7 +245,7 @@ class Solution(Mapping[str, Array]):
         Parameters
         ----------
         instants : iterable of int, optional
-            Indices of the instants; best in order. All if not given.
+            Indices of the instants, preferably ascending; by default all.
         """
         first, block = 0, list[State]()
         for k in range(self.nt) if instants is None else instants:

@@ -44,7 +44,7 @@ def check_results(file: Group) -> None:
         raise ValueError(f"rows is {length}, the datasets have {room} rows")
     time = file["time"][:length]
     if not np.isfinite(time).all() or (np.diff(time) < 0.0).any():
-        raise ValueError("time is not finite and ascending")
+        raise ValueError("time must be finite and ascending")
     check_dataset(file["model"], (), "OS")
     for name in DIAGNOSTICS:
         check_dataset(file[f"diagnostics/{name}"], (room,))

@@ -381,7 +381,7 @@ def _loop(
             return event_ending(engine)
         if status != "ok":
             return failure_ending(model, solver, plan, engine, status)
-        count = engine.steps_done - first  # fewer than asked for if the event log was full
+        count = engine.steps_done - first  # fewer than requested if the event log was full
         done += count
         report(float(engine.time[0].real), now - started)
         spent = max(now - before, 1e-6)

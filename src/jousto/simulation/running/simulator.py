@@ -45,7 +45,7 @@ class Simulator:
     solver : Solver, optional
         Method with a fixed step; None is ``ROS2(step=1e-3)``.
     state : State, optional
-        Initial state; None is the initial state of the model.
+        Initial state; None: the initial state of the model.
     path : path, optional
         Results file (HDF5) with all rows and events from the first `step` to `close`. An existing
         file is overwritten when the first rows are written. None writes no file.

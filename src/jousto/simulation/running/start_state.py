@@ -34,9 +34,11 @@ def initial_state(
         return state
     if model.fmus:
         unit = model.fmus[0].fmu.name
-        told = f"start is '{start}', but the outputs of fmu '{unit}' in that state are not known; "
-        told += "take start 'initial', or give the state to start from"
-        raise InputError(Problem(f"mechanism {model.name!r}", told))
+        message = (
+            f"start is '{start}', but the outputs of fmu '{unit}' in that state are not known; "
+        )
+        message += "take start 'initial', or give the state to start from"
+        raise InputError(Problem(f"mechanism {model.name!r}", message))
     if has_steps(model):
         if start != "rest":
             raise NotAnalytic("the vibration-free initial state is found by iterations")

@@ -116,7 +116,7 @@ def buckling(
     method : str
         "linear" or "path".
     start : float, optional
-        Value of the parameter at the prestressed equilibrium; None is the current value of the
+        Value of the parameter at the prestressed equilibrium; None: the current value of the
         input, 0 for gravity.
     to : float, optional
         End of the path; None is 1.5 times the highest load of the linear theory.

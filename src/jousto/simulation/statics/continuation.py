@@ -20,7 +20,7 @@ from jousto.simulation.statics.residual import Balance
 
 SMALL = 1e-10  # increment at which Newton's iteration has converged, sizes of the mechanism or rad
 STALLED = 1e-6  # increment below which an iteration that no longer contracts is at round-off
-NEUTRAL = 1e-13  # stiffness over metric, relative to the largest, below which there is none
+NEUTRAL = 1e-13  # stiffness over metric, relative to the largest, that counts as zero
 PUSHED = 1e-3  # displacement along neutral directions at that stiffness, above which a force acts
 TURN = 1.0  # largest increment of a body in an iteration, rad or sizes of the mechanism
 

@@ -46,7 +46,7 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
     model : Model
         From `compile`.
     state : State, optional
-        Starting point; None is the initial state. Signals have the values of its time.
+        Starting point; None: the initial state. Signals have the values of its time.
     tolerance : float
         Largest residual force of the steps by modes, relative to the forces on the free
         coordinates; the sparse iteration ends at increments of 1e-10 sizes of the mechanism.

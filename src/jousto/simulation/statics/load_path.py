@@ -59,9 +59,9 @@ def load_path(
     method : str or ArcLength
         "load", "arc" or `ArcLength(...)`.
     start : float, optional
-        First value of the parameter; None is the current value of the input, 0 for gravity.
+        First value of the parameter; None: the current value of the input, 0 for gravity.
     state : State, optional
-        Starting point for the first equilibrium; None is the initial state.
+        Starting point for the first equilibrium; None: the initial state.
     until : function, optional
         Function of the State of each point; the path ends where it returns True.
     branch : int

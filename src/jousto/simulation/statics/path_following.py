@@ -110,7 +110,7 @@ class Walk:
         return f"{error}{remedy}"
 
     def _add(self, point: Point) -> bool:
-        """Append a point and the critical points before it; return whether the path goes on."""
+        """Append a point and the critical points before it; return whether the path continues."""
         if not self.points:
             found = spectrum(self.balance, point, WATCHED)
             self.neutral = neutral_modes(self.balance, point, found)

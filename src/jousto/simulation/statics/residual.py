@@ -42,7 +42,7 @@ class Balance:
     parameter : str
         Name of an input; "gravity" (a factor), "time" (s), or "speed" (rad/s) with an axis.
     state : State, optional
-        First state; None is the initial state of the model.
+        First state; None: the initial state of the model.
     axis, point : (3,) arrays, optional
         Direction of the axis of a steady rotation and a point on it, m, world frame.
     speed : float

@@ -54,7 +54,7 @@ def steady_rotation(
     point : (3,) array_like
         Point on the axis, m, world frame.
     state : State, optional
-        Starting point; None is the initial state.
+        Starting point; None: the initial state.
     steps : int
         Number of steps of the speed, from 0, if Newton's method fails at the full speed.
 

@@ -46,7 +46,7 @@ def vibration_free_state(model: Model, state: State | None = None) -> State:
     model : Model
         From `compile`, with bodies that are rigid or have modes.
     state : State, optional
-        State with the pose, velocities, time and inputs; None is the initial state.
+        State with the pose, velocities, time and inputs; None: the initial state.
 
     Returns
     -------

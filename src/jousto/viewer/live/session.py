@@ -39,7 +39,7 @@ class LiveDesk:
     runner : Runner
         Runner that steps the machine.
     step : float or None
-        Step of the method, s; None is that of the solver.
+        Step of the method, s; None: that of the solver.
     ranges : mapping of str to (float, float)
         Ranges of inputs.
     record : Path
@@ -195,7 +195,7 @@ class LiveDesk:
         If the state does not fit the new machine, the machine restarts, with a message on the page.
         """
         made = self._made.changed(name, value)
-        said = []
+        messages = []
 
         def replaced(old: LiveMachine) -> LiveMachine:
             new = made.machine(self._step)
@@ -205,14 +205,14 @@ class LiveDesk:
                     raise InputError(Problem("live", "the new machine has other bodies"))
                 new.carry(old.state(), old.inputs)
             except InputError as error:
-                said.append(f"with {name} = {value:g} the machine starts anew: {error}")
+                messages.append(f"with {name} = {value:g} the machine starts anew: {error}")
                 new = made.machine(self._step)
             return new
 
         self.runner.replace(replaced, made.text)
         self._held = None
         self._take(made)
-        self.runner.say(said[0] if said else "")
+        self.runner.say(messages[0] if messages else "")
 
     # -- pictures ---------------------------------------------------------------------------------
 

@@ -44,7 +44,7 @@ def key_of(*things: object) -> str:
     except NotHashable as error:
         what = str(error)
     except RecursionError:
-        what = "something that holds itself"
+        what = "something that contains itself"
     return f"{UNKNOWN}{what} {uuid4().hex}"
 
 

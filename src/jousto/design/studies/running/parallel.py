@@ -115,7 +115,7 @@ def compute_points(
 ) -> tuple[list[tuple[int, Row]], dict[str, int], dict[str, int]]:
     """Compute points and append them to a journal if there is one; return them with counts."""
     lock_shared(path)
-    before, told = evaluator.counts, dict(evaluator.notes)
+    before, noted = evaluator.counts, dict(evaluator.notes)
     rows = []
     with evaluator.count_warnings():
         for part in split_points(points, evaluator.width):
@@ -125,7 +125,7 @@ def compute_points(
                     write_row(Path(path), x, row)
                 rows.append((i, row))
     counts = {name: n - before[name] for name, n in evaluator.counts.items()}
-    notes = {text: n - told.get(text, 0) for text, n in evaluator.notes.items()}
+    notes = {text: n - noted.get(text, 0) for text, n in evaluator.notes.items()}
     return rows, counts, notes
 
 

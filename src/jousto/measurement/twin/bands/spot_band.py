@@ -34,7 +34,7 @@ class SpotBand:
     modes : StressModes
         Stress modes of the sites.
     criterion, level, scale
-        As of `stress_band`.
+        As for `stress_band`.
     missed : float
         Standard deviation of the strain that the model misses, m/m.
     """

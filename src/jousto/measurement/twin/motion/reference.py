@@ -255,7 +255,7 @@ class InertialForce:
         Parameters
         ----------
         motion : tuple
-            Acceleration less gravity, w and w', body frame.
+            Acceleration minus gravity, w and w', body frame.
         p, dp : (n,) array
             Modal coordinates and velocities.
         """

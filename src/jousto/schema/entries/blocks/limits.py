@@ -17,5 +17,5 @@ class CorrelationEntry(Entry):
 class ReliabilityEntry(Entry):
     """Settings for the reliability of the limits."""
 
-    target: Number | None = Field(None, description="Reliability index that limits shall have")
+    target: Number | None = Field(None, description="Target reliability index of the limits")
     correlations: tuple[CorrelationEntry, ...] | None = None
