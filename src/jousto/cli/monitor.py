@@ -32,7 +32,7 @@ def monitor(
     ],
     output: Output = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with the record of a run that was killed.")
+        bool, typer.Option("--resume", help="Continue the record of a run that was killed.")
     ] = False,
     stress_limit: Annotated[
         str | None, typer.Option("--limit", metavar="STRESS", help="Alarm, such as '200 MPa'.")

@@ -257,7 +257,7 @@ def _with(
 
 
 def _given(course: Course, mechanism: Mechanism) -> tuple[Compared, ...]:
-    """Return the differences from a mechanism of the user with some equal sensors."""
+    """Return the differences between the run and that of a given mechanism, for equal sensors."""
     model = compile(mechanism)
     state = None if course.begin is None else course.begin(model)
     return differences(course, course.runs[-1:], [course.again(model, course.solver, state)])

@@ -216,7 +216,7 @@ def read_study(path: str | Path) -> StudyTable:
         y = file.array("y", (len(x), len(outcomes)))
         reasons = tuple(json.loads(bytes(file.array("failed", (None,), "u"))))
         if len(reasons) != len(x):
-            raise ValueError("its reasons are not those of its points")
+            raise ValueError("the number of its reasons is not that of its points")
         return StudyTable(
             names, outcomes, x, y, reasons, about["units"], about["notes"], about["about"]
         )

@@ -159,7 +159,7 @@ class ForceSensor(Sensor, tag="force"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Report axes for a force along coordinates, which has none."""
+        """Report axes that are given for a force along coordinates."""
         if self.resolved_in is not None and along(self.force):
             problems.add(
                 where,

@@ -24,7 +24,7 @@ log = logging.getLogger(__name__)
 
 PICTURES = 60.0  # glances per second of real time
 SWITCH = 2e-4  # switch interval of Python's threads, s: longest delay of a step by another thread
-IDLE = 0.5  # longest wait for an order, s
+IDLE = 0.5  # longest wait for a command, s
 ALONE = 0.02  # longest real time in one call of the engine, s, which delays orders
 CALL = 0.005  # real time in one call of the engine at the highest possible speed, s
 
@@ -241,7 +241,7 @@ class Runner:
                 order, answer = self._orders.get()
                 try:
                     answer.value = order()
-                except Exception as error:  # raised again in the thread of the order
+                except Exception as error:  # raised again in the thread that gave the command
                     answer.error = error
                 self._show()
                 answer.there.set()
