@@ -11,6 +11,8 @@ import pytest
 
 from jousto.base.errors import InputError
 from jousto.certificate.advice import advise
+from jousto.certificate.basis_families import family_of, frequency_errors, spectrum
+from jousto.certificate.certify import full_model
 from jousto.materials.material import Material
 from jousto.parts.interface import Interface
 from jousto.parts.part import Part
@@ -18,6 +20,7 @@ from jousto.reduction.files import cache
 from jousto.reduction.methods import CraigBampton, FreeFree
 from jousto.reduction.reducer import reduce
 from jousto.reduction.sparse import factor
+from jousto.reduction.stages import Run
 from jousto.sections.section import Rectangle
 from mesh.blocks import block
 from reduction.bodies import STEEL, bent, lattice, pendulum, without_points
@@ -259,3 +262,18 @@ def test_the_solver_asked_for_factorises_and_nothing_is_kept(
     assert not list(tmp_path.iterdir())
     with pytest.raises(InputError, match="no solver 'mumps'"):
         advise(part, ENDS, frequency_limit=500.0, solver="mumps")
+
+
+def test_a_mode_of_which_the_bases_contain_half_is_missing_whatever_its_frequency() -> None:
+    """Half of its mass moves orthogonally to the family, which has its frequency."""
+    full, _ = full_model(rod(30), modes=0)
+    assert full is not None and full.rigid is not None
+    family = family_of(full, ENDS, 300.0, Run())
+    B = np.concatenate([full.rigid.R, family.modes.X], axis=1)
+    x = np.random.default_rng(3).standard_normal(len(B))
+    x -= B @ (B.T @ (full.M @ x))
+    f, z = spectrum(family, family.fixed.shape[1])
+    first = family.motions(z[:, :1])
+    assert frequency_errors(family, (f[:1], first))[-1] < 1e-9
+    both = np.sqrt(0.5) * (first + (x / np.sqrt(x @ (full.M @ x)))[:, None])
+    assert (frequency_errors(family, (f[:1], both)) == 1.0).all()

@@ -406,5 +406,12 @@ def test_all_mistakes_at_once():
     spoiled[1, 0] = 7.5
     with pytest.raises(jo.InputError, match="row 1 of memory is not that of a meter"):
         m.load(spoiled)
+    straight = meter(n=1)
+    straight.push(np.array([[0.0], [3e8], [1.5e8]]))
+    memory = straight.save()
+    points = np.flatnonzero(memory[0] == 1.5e8)
+    memory[0, points[-1]] = 4e8  # goes on where the one before ends: no turning point
+    with pytest.raises(jo.InputError, match="row 0 of memory is not that of a meter"):
+        straight.load(memory)
     with pytest.raises(jo.InputError, match="sample 1 is nan"):
         count_cycles([0.0, np.nan])

@@ -110,6 +110,21 @@ def test_calculix_finds_the_stress_of_the_run(speed: float, digits: float, tmp_p
     assert np.abs(stress - own).max() < digits * np.abs(own).max()
 
 
+def test_nodal_forces_have_those_of_coriolis() -> None:
+    """Rates p' of the modes alone make -M 2 w x Phi p', less the resultant that M R carries."""
+    part = bar("tetra10", "rigid")
+    loads = jo.recovery.loads_of(spun(part, 60.0), "arm")
+    motion, nn = loads.motion, len(part.nodes)
+    still = replace(loads, motion=replace(motion, dp=np.zeros_like(motion.dp)))
+    found = nodal_forces(loads, part).forces - nodal_forces(still, part).forces
+    u = np.einsum("nij,tj->tni", loads.modes[:nn], motion.dp)
+    own = -2.0 * np.cross(motion.w[:, None], u).reshape(len(u), -1) @ part.M
+    R = part.rigid_modes()
+    own -= own @ R @ np.linalg.solve(R.T @ (part.M @ R), (part.M @ R).T)
+    assert np.abs(own).max() > 1e-3
+    assert np.abs(found.reshape(own.shape) - own).max() < 1e-9 * np.abs(own).max()
+
+
 @pytest.mark.parametrize("interface", ["rigid", "average"])
 def test_nodal_forces_deform_a_part_as_in_the_run(interface: str) -> None:
     """``Phi^T f = K p`` for every mode and instant, but for terms of second order; f in balance."""

@@ -15,7 +15,7 @@ import pytest
 
 import jousto as jo
 from jousto.measurement.monitor import record_writer as records
-from jousto.measurement.monitor.alarms import AlarmLimits
+from jousto.measurement.monitor.alarms import AlarmLimits, Alarms
 from jousto.measurement.monitor.health import STATES
 from jousto.measurement.monitor.record_reader import MonitorRecord
 from jousto.measurement.monitor.watch import _layout, watch
@@ -162,6 +162,17 @@ def test_damage_and_life_raise_alarms_once(tmp_path):
     lives = [x.text for x in found.events if "remaining life" in x.text]
     assert len(lives) == 2
     assert all(x.endswith("limit 31.7 years") for x in lives)  # 1e9 s
+
+
+def test_an_alarm_of_the_life_ends_a_tenth_above_its_limit() -> None:
+    alarms = Alarms(AlarmLimits(life=100.0), ("spot",))
+    lives = [150.0, 100.0, 90.0, 109.0, 101.0, 111.0, 105.0, 99.0]
+    told = [alarms.summary(t, np.zeros(1), np.array([x])) for t, x in enumerate(lives)]
+    assert [(x.time, x.on, x.value) for one in told for x in one] == [
+        (1, True, 100.0),
+        (5, False, 111.0),
+        (7, True, 99.0),
+    ]
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.recovery import model_of_run
 from jousto.recovery.fields.inertia import accelerations
 from jousto.recovery.loads import gathered_loads
 from jousto.schema.summary import mechanism_facts
@@ -481,3 +482,13 @@ def test_forces_have_the_kind_that_was_declared() -> None:
     assert {f.name: loads[f.name].kind for f in forces} == {f.name: f.kind for f in forces}
     rows = [label for label, _ in mechanism_facts(mechanism)]
     assert "plastic spring yield" in rows and "servo drive" in rows
+
+
+def test_integrals_over_three_instants_are_exact_for_a_parabola() -> None:
+    """Also where they are not equally far apart."""
+    t = np.array([0.3, 0.5, 1.2])
+    c = np.array([[1.0, -2.0, 3.0], [0.5, 4.0, -1.0]])
+    y = np.stack([t**0, t, t**2], axis=1) @ c.T
+    exact = c @ [t[2] - t[0], (t[2] ** 2 - t[0] ** 2) / 2, (t[2] ** 3 - t[0] ** 3) / 3]
+    found, _, _ = model_of_run._simpson(t, y)
+    assert found == pytest.approx(exact, rel=1e-14)
