@@ -299,3 +299,35 @@ def test_a_step_that_fails_leaves_time_and_state():
         engine.step(engine.native_solver("alpha", 5.0, True, **options | {"iterations": 1}))
     for found, kept in zip((engine.time, engine.q, engine.v), before, strict=True):
         np.testing.assert_array_equal(found, kept)
+
+
+@pytest.mark.filterwarnings("ignore::jousto.JoustoWarning")
+def test_derivatives_of_inertia_save_iterations_and_change_no_result():
+    """A body that turns by 6 degrees a step about no principal axis."""
+    spin = {"center": (1.0, 0, 0.2), "angular_velocity": (3, 5, 20)}
+    body = jo.RigidBody("body", 1.0, (0.1, 0.2, 0.3), **spin)
+    ball = jo.Spherical("ball", jo.ground["origin"], body["origin"])
+    model = jo.compile(jo.Mechanism(body, ball, jo.Gravity((0, 0, -9.81))))
+    with_them, without = (
+        jo.simulate(
+            model, 0.1, solver=jo.GeneralizedAlpha(5e-3, tangent="exact", inertia_tangents=on)
+        )
+        for on in (True, False)
+    )
+    np.testing.assert_allclose(with_them.q, without.q, rtol=0, atol=1e-9)
+    assert with_them.work.iterations[-1] < 0.6 * without.work.iterations[-1]
+
+
+def test_steps_of_a_pace_that_have_time_are_not_missed():
+    """A step of some microseconds every 40 ms; a computer under load may miss some of them."""
+    body = jo.RigidBody("body", 1.0, (0.1, 0.2, 0.3))
+    pin = jo.Revolute("pin", jo.ground["origin"], body["origin"], axis=(0, 0, 1))
+    engine = Engine(jo.compile(jo.Mechanism(body, pin)))
+    native, steps = engine.native_solver("rk4", 1e-3, True), 8
+    late = np.zeros(2, dtype=np.int64)
+    pace = {"step": 0.04, "farthest": 10.0, "edges": np.array([10.0]), "late": late}
+    rows = np.zeros((steps + 1, engine.row_size))
+    status, written, found = engine.paced(native, steps, 1, rows, pace)
+    assert (status, written, found["done"], late.tolist()) == ("ok", steps, steps, [steps, 0])
+    assert found["missed"] < steps
+    assert 0.0 < found["worst"] < 10.0
