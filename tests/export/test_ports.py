@@ -1,4 +1,4 @@
-"""Ports of an exported machine: numbers and units beside those of the mechanism."""
+"""Ports and coordinates of an exported machine, beside those of the mechanism."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pytest
 import jousto as jo
 from jousto.export.constants import constants
 from jousto.export.ports import Ports, ports
+from jousto.export.program import program
 from jousto.model.native.native import Engine
 
 STIFFNESS = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]) + 0.1
@@ -39,3 +40,11 @@ def test_parameters_of_a_bushing_are_its_diagonals(found: Ports) -> None:
     for letter, matrix in (("k", STIFFNESS), ("d", 0.01 * STIFFNESS)):
         starts = [p.start for p in found.parameters if p.name.startswith(f"bush.{letter}")]
         np.testing.assert_array_equal(starts, np.diag(matrix))
+
+
+@pytest.mark.parametrize("solver", [jo.RK4(1e-3), jo.ROS2(1e-3), jo.GeneralizedAlpha(1e-3)])
+def test_a_program_has_joint_coordinates_if_its_method_integrates_them(solver: object) -> None:
+    arm = jo.RigidBody("arm", 1.0, (0.1,) * 3)
+    pin = jo.Revolute("pin", jo.ground["origin"], arm["origin"], axis=(0, 0, 1))
+    made = program(jo.compile(jo.Mechanism(arm, pin), core="joint"), solver)
+    assert bool(made.model.links) == (not isinstance(solver, jo.GeneralizedAlpha))
