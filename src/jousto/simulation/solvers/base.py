@@ -37,8 +37,6 @@ class Solver(Declared, section="solvers", by_value=True):
     """Whether it chooses its steps by their error; ``step`` is then the time between outputs."""
     needs_tangent: ClassVar[bool] = False
     """Whether it iterates with the derivatives of all forces and joints."""
-    fixed_work: ClassVar[bool] = False
-    """Whether its steps take the same operations whatever the state is."""
     lanes: ClassVar[bool] = False
     """Whether it steps machines of one structure side by side."""
     joint_coordinates: ClassVar[bool] = True
@@ -125,7 +123,6 @@ class Baumgarte(Declared, by_value=True):
 class Staged(Solver):
     """Method of fixed work per step, whose tableau is a row of JO_METHODS in jousto.h."""
 
-    fixed_work: ClassVar[bool] = True
     lanes: ClassVar[bool] = True
     step: Duration = field("Step size", default=1e-3)
     projection: Flag = field(
