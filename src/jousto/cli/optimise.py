@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from jousto.design.optimisation.optimum import Optimum
     from jousto.design.studies.outcomes.requirement import Requirement
 
+WITHOUT = "is for designs without scatter; leave it out with --reliable"
 METHODS = {"esl1": ("esl", 1), "esl0": ("esl", 0), "direct": ("direct", 1)}
 
 
@@ -40,6 +42,26 @@ def optimise(
         ),
     ] = "esl1",
     compare: Annotated[bool, typer.Option("--compare", help="All three, side by side.")] = False,
+    machine: Annotated[
+        str | None,
+        typer.Option(
+            metavar="flexible|rigid",
+            help="Machine of the runs; rigid: each flexible part vibrates alone.",
+        ),
+    ] = None,
+    held: Annotated[
+        str | None,
+        typer.Option(
+            metavar="motion|force", help="With rigid: parts follow its joints, or are free."
+        ),
+    ] = None,
+    beyond: Annotated[
+        bool, typer.Option("--beyond", help="With rigid: parts carry the bodies beyond them.")
+    ] = False,
+    load_tolerance: Annotated[
+        float | None,
+        typer.Option(metavar="SHARE", help="With rigid: change of the interface loads that ends."),
+    ] = None,
     reliable: Annotated[
         bool,
         typer.Option("--reliable", help="Limits have an index of reliability, by SORA."),
@@ -66,16 +88,20 @@ def optimise(
     life and damage come from the model file or from --limit. The command prints the design, the
     active limits, and the residual of the optimality conditions. -o writes the history (.csv), or a
     page with history and active limits (.html); --compare puts the three methods side by side in
-    all of these. With --reliable, parameters with a distribution are random, and each limit is
-    exceeded at most with the probability of its reliability index.
+    all of these. With --machine rigid an outer loop runs the machine with rigid bodies, an inner
+    loop optimises each part alone under its loads, and the flexible machine's peaks at the end are
+    printed beside those of the parts. With --reliable, parameters with a distribution are random,
+    and each limit is exceeded at most with the probability of its reliability index.
     """
     from jousto.schema.read import read_model
 
+    given = {"held": held, "beyond": beyond or None, "load_tolerance": load_tolerance}
     checks = (
         lambda: check_targets({output: ("csv",) if reliable else ("csv", "html"), picture: ()}),
         lambda: amount(t_end, "s", "--t-end"),
         lambda: check_choice("--method", method, tuple(METHODS)),
         lambda: _check_together(reliable, target, compare, method, starts),
+        lambda: _check_machine(reliable, machine, given),
     )
     file = read_model(model, trust=trust)
     wanted = ("bounds", "distribution") if reliable else ("bounds",)
@@ -85,8 +111,8 @@ def optimise(
     if reliable:
         _reliable(file, limits, made | how | {"target": target}, output, picture)
         return
-    names = [method, *(name for name in METHODS if compare and name != method)]
-    _least(file, limits, made, how | {"starts": starts}, names, output, picture)
+    runs = _runs(method, compare, _machine(file, machine, given))
+    _least(file, limits, made, how | {"starts": starts}, runs, output, picture)
 
 
 def _check_together(
@@ -96,13 +122,52 @@ def _check_together(
     problems = problems_of(lambda: check_index(target))
     if not reliable and target is not None:
         problems.append(Problem("--target", "is an index of reliability: add --reliable"))
-    without = "is for designs without scatter; leave it out with --reliable"
     if reliable and (compare or method != "esl1"):
-        problems.append(Problem("--compare" if compare else "--method", without))
+        problems.append(Problem("--compare" if compare else "--method", WITHOUT))
     if reliable and starts > 1:
-        problems.append(Problem("--starts", without))
+        problems.append(Problem("--starts", WITHOUT))
     if problems:
         raise InputError(problems)
+
+
+def _check_machine(reliable: bool, machine: str | None, given: dict[str, Any]) -> None:
+    """Raise InputError for an unknown machine, or options that the machine does not have."""
+    if machine is not None:
+        check_choice("--machine", machine, ("flexible", "rigid"))
+    if given["held"] is not None:
+        check_choice("--held", given["held"], ("motion", "force"))
+    named = [f"--{key.replace('_', '-')}" for key, value in given.items() if value is not None]
+    if reliable and (machine == "rigid" or named):
+        raise InputError(Problem(named[0] if named else "--machine", WITHOUT))
+    if machine == "flexible" and named:
+        raise InputError(Problem(named[0], "has no effect without --machine rigid"))
+
+
+def _machine(file: Any, machine: str | None, given: dict[str, Any]) -> Any:
+    """Return the machine of the optimisation: that of the options, else that of the model file.
+
+    Raises
+    ------
+    InputError
+        For options of a rigid machine without one.
+    """
+    from jousto.design.optimisation.rigid_options import RigidMachine
+
+    options = {key: value for key, value in given.items() if value is not None}
+    of_file = None if file.optimisation is None else file.optimisation.rigid
+    if machine == "flexible" or (machine is None and of_file is None):
+        if options:
+            key = next(iter(options)).replace("_", "-")
+            raise InputError(Problem(f"--{key}", "has no effect without --machine rigid"))
+        return "flexible"
+    return replace(RigidMachine() if of_file is None else of_file, **options)
+
+
+def _runs(method: str, compare: bool, machine: Any) -> list[tuple[str, Any]]:
+    """Return the methods and machines of the optimisations, the chosen one first."""
+    chosen = [(method, machine)]
+    every = [(name, "flexible") for name in METHODS] if compare else []
+    return chosen + [one for one in every if one != (method, machine)]
 
 
 def _least(
@@ -110,7 +175,7 @@ def _least(
     limits: list[Requirement],
     made: dict[str, Any],
     how: dict[str, Any],
-    names: list[str],
+    runs: list[tuple[str, Any]],
     output: Path | None,
     picture: Path | None,
 ) -> None:
@@ -120,10 +185,11 @@ def _least(
     from jousto.design.optimisation.optimise import optimise as best_of
 
     found: list[Optimum] = []
-    for name in names:
+    for name, machine in runs:
         way, order = METHODS[name]
         problem = file_problem(file, limits, **made)
-        found.append(best_of(problem, way, order=order, **how))  # type: ignore[arg-type]
+        given = {**how, "order": order, "machine": machine}
+        found.append(best_of(problem, way, **given))  # type: ignore[arg-type]
     first = found[0]
     _history(first)
     say(str(first))
@@ -138,7 +204,7 @@ def _least(
     elif output is not None:
         say(f"history in {whole.to_csv(output)}", style="green")
     tell_files(whole, picture=picture)
-    if not first.converged:
+    if not (first.converged and first.kept):
         raise typer.Exit(FAILED)
 
 

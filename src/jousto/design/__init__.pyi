@@ -12,6 +12,12 @@ from .optimisation.machine import MachineProblem as MachineProblem
 from .optimisation.optimise import optimise as optimise
 from .optimisation.optimum import Cycle as Cycle, Optimum as Optimum
 from .optimisation.problem import Place as Place, Problem as Problem
+from .optimisation.rigid_optimum import (
+    OuterCycle as OuterCycle,
+    Peak as Peak,
+    RigidOptimum as RigidOptimum,
+)
+from .optimisation.rigid_options import RigidMachine as RigidMachine
 from .optimisation.structure import StructureProblem as StructureProblem
 from .reliability.errors import (
     DesignPointError as DesignPointError,

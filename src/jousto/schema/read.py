@@ -41,6 +41,7 @@ from jousto.schema.make.blocks.monitor import build_monitor
 from jousto.schema.make.declared import build_declared
 from jousto.schema.make.matrices import is_superelement
 from jousto.schema.make.model import ModelBuilder
+from jousto.schema.optimisation import Optimisation
 from jousto.schema.partial_validation import validate
 from jousto.schema.simulation import Simulation
 from jousto.schema.variants import Variants
@@ -77,6 +78,8 @@ class ModelFile:
         Outcomes and their bounds.
     reliability : Reliability
         Target and correlations of the parameters.
+    optimisation : Optimisation or None
+        Machine that an optimisation runs, if the file has it.
     """
 
     mechanism: Mechanism
@@ -88,6 +91,7 @@ class ModelFile:
     variants: Any = None
     limits: tuple[Requirement, ...] = ()
     reliability: Reliability = field(default_factory=Reliability)
+    optimisation: Optimisation | Any = None
 
 
 @explained
@@ -182,7 +186,7 @@ def build_model(
     builder.kept = {} if kept is None else kept
     mechanism, simulation, fatigue, monitor = None, None, None, None
     limits: tuple[Requirement, ...] = ()
-    reliability = Reliability()
+    reliability, optimisation = Reliability(), None
     if entry is not None:
         mechanism = builder.mechanism(entry, valid.index)
         builder.check_names(valid.rest, {loc[:3] for loc, _ in valid.problems})
@@ -195,6 +199,8 @@ def build_model(
         limits = build_limits(builder, entry.limits or (), expanded.parameters, whole.data)
         if entry.reliability is not None:
             reliability = build_reliability(builder, entry.reliability, expanded.parameters)
+        if entry.optimisation is not None:
+            optimisation = build_declared(builder, ("optimisation",), entry.optimisation)
     named = mentioned(whole)
     unused = (
         f"{document.where((SECTION, name))}: nothing depends on it; ${{{name}}} stands for it"
@@ -207,7 +213,7 @@ def build_model(
     assert mechanism is not None
     variants = Variants(build_model, whole, expanded.parameters, rigid, trust, expanded.idle)
     given = (mechanism, simulation, document.text, fatigue, monitor)
-    return ModelFile(*given, expanded.parameters, variants, limits, reliability)
+    return ModelFile(*given, expanded.parameters, variants, limits, reliability, optimisation)
 
 
 # -- parts alone and the schema -------------------------------------------------------------

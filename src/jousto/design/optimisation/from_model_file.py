@@ -129,7 +129,7 @@ def file_problem(
         raise InputError(troubles)
     kept: dict[Any, Any] = {}
     run = file.simulation
-    return FileProblem(
+    found = FileProblem(
         chosen,
         lambda values: variants.parts({**fixed, **values}),
         lambda values, parts: variants.make({**fixed, **values}, kept)[0],
@@ -140,6 +140,8 @@ def file_problem(
         state=None if run is None else run.begin,
         cost=lambda values, parts: price({**fixed, **values}, parts),
     )
+    found.rigid = None if file.optimisation is None else file.optimisation.rigid
+    return found
 
 
 def _limit(

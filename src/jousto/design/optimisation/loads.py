@@ -70,7 +70,7 @@ def first_order(problem: Problem, x: Array, size: float) -> list[EquivalentLoad]
             width = ends_of[i][0][i] - ends_of[i][1][i]
             for j, (sign, side) in enumerate(zip((1.0, -1.0), pair, strict=True)):
                 y = side[k].values
-                _same_instants(y.shape[1], nt)
+                same_instants(y.shape[1], nt)
                 first = ends[2 * i + j]
                 slopes[i, first : first + len(y)] = sign * y / width
         found.append(EquivalentLoad(load.motion, x, np.hstack(parts), values, slopes))
@@ -86,7 +86,8 @@ def sides(problem: Problem, x: Array, i: int, size: float) -> tuple[Array, Array
     return up, down
 
 
-def _same_instants(found: int, wanted: int) -> None:
+def same_instants(found: int, wanted: int) -> None:
+    """Raise InputError if two designs do not have the same number of instants."""
     if found != wanted:
         message = "the number of instants changes with the design: give output_step="
         raise InputError(Trouble("optimise", message))
@@ -192,7 +193,7 @@ def ratios_of(
     for row in kept:
         one = bodies[row.motion]
         if row.instants is not None:
-            _same_instants(one.count, row.count)
+            same_instants(one.count, row.count)
         y = one.coordinates(np.arange(one.count) if row.instants is None else row.instants)
         r = _finite(row.limit, row.limit.ratios(row.limit.rows(one.body, one.shapes), y))
         found.append(r[row.places, row.columns])

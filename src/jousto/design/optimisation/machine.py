@@ -85,8 +85,9 @@ class MachineProblem(Problem):
             problems.add("MachineProblem", message)
         problems.raise_if_any()
         self._make, self._build = parts, build
-        self._cost, self._t_end = mass if cost is None else cost, float(t_end)
+        self._cost, self.t_end = mass if cost is None else cost, float(t_end)
         how = {"solver": solver, "output_step": output_step, "state": state}
+        self.settings: dict[str, Any] = how
         self._settings = Settings(t_end, how)
         self._parts: dict[bytes, Mapping[str, Part]] = {}
 
@@ -155,12 +156,16 @@ class MachineProblem(Problem):
         missing = [name for name in self.names if name not in values]
         if missing:
             raise InputError(Trouble("MachineProblem", f"no value of {some(missing)}"))
-        x = np.array([values[name] for name in self.names], dtype=np.float64)
+        x = self.vector(values)
         return {case: self._simulated(one) for case, one in self.machines(x).items()}
+
+    def settings_for(self, model: Model) -> dict[str, Any]:
+        """Return solver, output step and initial state of the runs of a model."""
+        return self._settings.given(model)
 
     def _simulated(self, machine: Mechanism) -> Solution:
         model = compile(machine)
-        return simulate(model, self._t_end, **self._settings.given(model))
+        return simulate(model, self.t_end, **self.settings_for(model))
 
     def run(self, x: Array) -> tuple[Motion, ...]:
         """Run all load cases and return the deformations."""

@@ -25,6 +25,9 @@ FEASIBLE = 1e-5
 AHEAD, NEAR = 6, 0.02
 """Maximum number of order-0 cycles before order 1, and the limit excess that requires them."""
 
+STALLED, NUDGE = 8, 1e-4
+"""Status of SLSQP for a line search without descent, and the shift of the next start in bounds."""
+
 PENALTY = 10.0
 """Penalty on a ratio above 1, in costs of the initial design, if no design is feasible."""
 
@@ -51,19 +54,28 @@ def solve(
     box = list(zip((low - problem.low) / span, (high - problem.low) / span, strict=True))
     start = (x - problem.low) / span
     options = {"ftol": 1e-10, "maxiter": 60}
-    found: Any = minimize(  # type: ignore[call-overload]
-        cost,
-        start,
-        jac=down,
-        bounds=box,
-        method="SLSQP",
-        options=options,
-        constraints={
-            "type": "ineq",
-            "fun": lambda u: 1.0 - ratios(design(u)),
-            "jac": lambda u: -slopes(design(u)) * span,
-        },
-    )
+
+    def search(begin: Array) -> Any:
+        return minimize(  # type: ignore[call-overload]
+            cost,
+            begin,
+            jac=down,
+            bounds=box,
+            method="SLSQP",
+            options=options,
+            constraints={
+                "type": "ineq",
+                "fun": lambda u: 1.0 - ratios(design(u)),
+                "jac": lambda u: -slopes(design(u)) * span,
+            },
+        )
+
+    found = search(start)
+    if found.status == STALLED:
+        # beside the design the line search has room again
+        ends = np.array(box).T
+        again = search(np.clip(found.x + NUDGE * (ends[1] - ends[0]), *ends))
+        found = again if again.success else found
     # a search that stops early at a feasible design is a valid step as well
     if np.max(ratios(design(found.x)), initial=0.0) <= 1.0 + FEASIBLE:
         return np.clip(design(found.x), low, high)

@@ -10,11 +10,14 @@ from scipy.stats import qmc
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.errors import JoustoError, Problems
+from jousto.base.errors import JoustoError, Problems, suggest
 from jousto.design.optimisation.methods import optimise_by_loads, optimise_directly
 from jousto.design.optimisation.optimum import Cycle, Optimum
 from jousto.design.optimisation.problem import Problem
+from jousto.design.optimisation.rigid_options import RigidMachine
+from jousto.design.optimisation.rigid_outside import decoupled, optimise_outside
 
+MACHINES = ("flexible", "rigid")
 SAME = 1e-3
 """Relative difference of costs within which optima count as equal."""
 
@@ -33,6 +36,7 @@ def optimise(
     report: Callable[[Cycle], None] | None = None,
     starts: int = 1,
     seed: int = 0,
+    machine: Literal["flexible", "rigid"] | RigidMachine | None = None,
 ) -> Optimum:
     """Find the parameters of least cost that satisfy all limits at all instants of the motion.
 
@@ -72,16 +76,28 @@ def optimise(
         spread of all.
     seed : int
         Seed of the hypercube.
+    machine : {"flexible", "rigid"} or RigidMachine, optional
+        "flexible" runs the machine with its flexible bodies. "rigid" makes all bodies rigid in an
+        outer loop, and lets each flexible part vibrate alone under the loads of that run in an
+        inner loop (Altarriba 2010, annex 1); `RigidMachine` has its options. None takes that of the
+        model file, else "flexible".
 
     Returns
     -------
     Optimum
-        Optimum with its history, active limits, and the KKT residual of the moving machine.
+        Optimum with its history, active limits, and the KKT residual of the moving machine; a
+        `RigidOptimum`, with the peaks of the flexible machine as well, for a rigid machine.
 
     Raises
     ------
     InputError
-        If a limit names an unknown object, or an option is impossible.
+        If a limit names an unknown object, or an option is impossible; for a rigid machine without
+        flexible bodies, or one that does not run, and for a part without limits.
+
+    Warns
+    -----
+    JoustoWarning
+        If the flexible machine exceeds limits that the parts alone keep.
     """
     problems, where = Problems(), "optimise"
     if method not in ("esl", "direct"):
@@ -98,15 +114,24 @@ def optimise(
     problems.whole(where, "starts", starts)
     if cycles < 1:
         problems.add(where, f"cycles is {cycles}, must be 1 or more")
+    options = machine_options(problems, problem.rigid, machine)
     problems.raise_if_any()
     problem.check()
     common: dict[str, Any] = {"tolerance": tolerance, "screen": screen, "size": differences}
     common |= {"cycles": cycles, "report": report}
 
-    def found(start: Array) -> Optimum:
+    def inner(one: Problem, start: Array) -> Optimum:
         if method == "direct":
-            return optimise_directly(problem, start, **common)
-        return optimise_by_loads(problem, order, start, trust=radius, **common)
+            return optimise_directly(one, start, **common)
+        return optimise_by_loads(one, order, start, trust=radius, **common)
+
+    def found(start: Array) -> Optimum:
+        if options is None:
+            return inner(problem, start)
+        slopes = order == 1 or method == "direct"
+        one = decoupled(problem, options)
+        one.check()
+        return optimise_outside(one, start, inner, slopes, differences)
 
     first = found(problem.start)
     if starts == 1:
@@ -119,6 +144,29 @@ def optimise(
         except JoustoError:
             failed += 1
     return best([first, *others], failed)
+
+
+def machine_options(
+    problems: Problems, of_problem: RigidMachine | None, given: Any
+) -> RigidMachine | None:
+    """Return the options of a rigid machine outside, None for the flexible machine.
+
+    Parameters
+    ----------
+    problems : Problems
+    of_problem : RigidMachine or None
+        Options of the problem, such as those of a model file.
+    given : {"flexible", "rigid"} or RigidMachine or None
+        None takes those of the problem.
+    """
+    if given is None or isinstance(given, RigidMachine):
+        return of_problem if given is None else given
+    if given not in MACHINES:
+        message = f"machine is {given!r}{suggest(given, MACHINES)}; or RigidMachine(...)"
+        problems.add("optimise", message)
+    if given != "rigid":
+        return None
+    return RigidMachine() if of_problem is None else of_problem
 
 
 def best(optima: Sequence[Optimum], failed: int) -> Optimum:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +14,7 @@ from jousto.base.errors import InputError, Problem as Trouble, Problems, count, 
 from jousto.base.object_repr import described
 from jousto.design.optimisation.elastic import Elastic, Motion
 from jousto.design.optimisation.limits import BodyLimit, FrequencyLimit, Limit
+from jousto.design.optimisation.rigid_options import RigidMachine
 from jousto.design.studies.parameters.parameter import Parameter
 
 
@@ -27,11 +28,18 @@ class Problem(ABC):
         Parameters with bounds; their values are the start.
     limits : sequence of Limit
 
+    Attributes
+    ----------
+    rigid : RigidMachine or None
+        Rigid machine of `optimise`, if it gets none, such as that of a model file.
+
     Raises
     ------
     InputError
         If a parameter has no bounds, there are no limits, or names are equal.
     """
+
+    rigid: RigidMachine | None = None
 
     def __init__(self, parameters: Sequence[Parameter], limits: Sequence[Limit]) -> None:
         problems, where = Problems(), "optimisation"
@@ -75,6 +83,10 @@ class Problem(ABC):
     def values(self, x: Array) -> dict[str, float]:
         """Return the parameter values by name."""
         return dict(zip(self.names, map(float, x), strict=True))
+
+    def vector(self, values: Mapping[str, float]) -> Array:
+        """Return the design (nd,) of parameter values by name."""
+        return np.array([values[name] for name in self.names], dtype=np.float64)
 
     @abstractmethod
     def cost(self, x: Array) -> float:

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import scipy.linalg as sl
 import scipy.sparse as sp
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.signal import lfilter
 
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, Problem as Trouble, Problems
+from jousto.base.errors import InputError, Problem as Trouble, Problems, suggest
 from jousto.design.optimisation.elastic import Elastic, Motion
 from jousto.design.optimisation.limits import Limit
 from jousto.design.optimisation.problem import Problem
@@ -50,6 +50,9 @@ class StructureProblem(Problem):
         Returns, for the parameters by name, the stress of each member per displacement, (n,), Pa/m,
         by member names. For `StressLimit` and `LifeLimit`, members are sites with the component
         s11.
+    components : dict of str to sequence of str, optional
+        Nodes of each part of the structure, from the support outwards, for an optimisation with
+        ``machine="rigid"``; every node belongs to one part. Without them the structure is one part.
 
     Raises
     ------
@@ -85,6 +88,7 @@ class StructureProblem(Problem):
         limits: Sequence[Limit],
         damping: float = 0.0,
         stress: Callable[[Mapping[str, float]], Mapping[str, ArrayLike]] | None = None,
+        components: Mapping[str, Sequence[str]] | None = None,
     ) -> None:
         super().__init__(parameters, limits)
         problems, where = Problems(), WHERE
@@ -114,6 +118,7 @@ class StructureProblem(Problem):
         F = _forces(force, points)
         self._force = F.reshape(F.shape[0], len(t) - 1, len(x))
         self._size = len(F)
+        self.components = component_rows(components, self._size)
         massless = self.matrices(self.start)[0] is None
         self._still = _forces(force, t) if massless else None
         self._operator(self.start)
@@ -206,7 +211,21 @@ class StructureProblem(Problem):
             assert self._still is not None
             (body,) = self.bodies(x)
             return (Motion(0, "", self.time, np.eye(self._size), body.solve(self._still)),)
-        w2, shapes = _modes(M, K)
+        shapes, q = self.vibration(M, K, np.eye(self._size))
+        return (Motion(0, "", self.time, shapes, q),)
+
+    def vibration(self, M: Array, K: Array, carried: Array) -> tuple[Array, Array]:
+        """Return modes (n, m) and their motion (m, nt) of a part that moves the nodes.
+
+        Parameters
+        ----------
+        M, K : (m, m) array
+            Mass and stiffness of the part.
+        carried : (n, m) array
+            Displacement of all nodes in each degree of freedom of the part.
+        """
+        w2, modes = _modes(M, K)
+        shapes = carried @ modes
         w, h = np.sqrt(w2), self.time[1]
         pole = w * (-self._damping + 1j * np.sqrt(1.0 - self._damping**2))
         q = np.zeros((len(w), len(self.time)))
@@ -215,7 +234,39 @@ class StructureProblem(Problem):
             pushed = f @ self._weights(p * h) * h
             s = lfilter([1.0], [1.0, -np.exp(p * h)], pushed)
             q[i, 1:] = s.imag / p.imag
-        return (Motion(0, "", self.time, shapes, q),)
+        return shapes, q
+
+
+def component_rows(
+    components: Mapping[str, Sequence[str]] | None, size: int
+) -> dict[str, NDArray[np.intp]]:
+    """Return the degrees of freedom of each part by name.
+
+    Raises
+    ------
+    InputError
+        If a node is unknown, is in no part or in several.
+    """
+    whole = {"structure": [str(i + 1) for i in range(size)]}
+    given: Any = whole if components is None else components
+    names = {str(i + 1): i for i in range(size)}
+    problems = Problems()
+    if not isinstance(given, Mapping):
+        message = f"components is {given!r}, must be a dict of node names by the names of parts"
+        raise InputError(Trouble(WHERE, message))
+    every = [(part, str(node)) for part, nodes in given.items() for node in nodes]
+    for part, node in every:
+        if node not in names:
+            problems.add(WHERE, f"components[{part!r}]: no node {node!r}{suggest(node, names)}")
+    counts = [sum(node == one for _, node in every) for one in names]
+    for node, times in zip(names, counts, strict=True):
+        if times != 1:
+            problems.add(WHERE, f"components: node {node!r} is in {times} parts, must be in one")
+    problems.raise_if_any()
+    return {
+        str(part): np.array([names[str(node)] for node in nodes], dtype=np.intp)
+        for part, nodes in given.items()
+    }
 
 
 def _forces(force: Callable[[Array], Array], time: Array) -> Array:

@@ -8,6 +8,7 @@ from pathlib import Path
 from jousto.base.arguments import explained_as
 from jousto.design.optimisation.comparison import Comparison
 from jousto.design.optimisation.optimum import Optimum
+from jousto.design.optimisation.rigid_optimum import RigidOptimum
 from jousto.output.figures.optimisation import plot_comparison, plot_optimum
 from jousto.output.pages.html_page import badge, document, image_address, number_table, write_page
 
@@ -71,7 +72,24 @@ def _details(one: Optimum) -> str:
     head = ("cycle", *one.values, "cost", "largest ratio", "change of loads", "step", "runs")
     bounds = number_table(("active limit", "multiplier"), active) if active else "<p>None.</p>"
     name = html.escape(one.method)
+    peaks = _peaks(one) if isinstance(one, RigidOptimum) else ""
     return (
-        f"<h2>{name}: what bounds the design</h2>\n{bounds}\n<h2>{name}: cycles</h2>\n"
+        f"{peaks}<h2>{name}: what bounds the design</h2>\n{bounds}\n<h2>{name}: cycles</h2>\n"
+        f"{number_table(head, rows)}\n"
+    )
+
+
+def _peaks(one: RigidOptimum) -> str:
+    """Return the verdict on the flexible machine with the table of its peaks."""
+    rows = [
+        (p.limit, p.value(1.0), p.value(p.own), "" if p.other is None else p.value(p.other))
+        + (p.value(p.true), f"{100 * p.excess:+.2f} %")
+        for p in one.peaks
+    ]
+    head = ("limit", "value", "part alone", "held the other way", "flexible machine", "excess")
+    verdict = f"{badge('ok' if one.safe else 'fail', 'safe' if one.safe else 'unsafe')}"
+    return (
+        f"<h2>{html.escape(one.method)}: peaks of the flexible machine</h2>\n"
+        f'<p class="verdict">{verdict} {html.escape(one.verdict)}</p>\n'
         f"{number_table(head, rows)}\n"
     )

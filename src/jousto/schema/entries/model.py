@@ -29,6 +29,7 @@ from jousto.schema.entries.choices import Later, by_form
 from jousto.schema.entries.declared import FORMS, alone, entry_of, one_of, several
 from jousto.schema.entries.sensors import SensorEntry
 from jousto.schema.entries.solids import PartEntry
+from jousto.schema.optimisation import Optimisation
 from jousto.schema.simulation import Simulation
 
 # -- bodies ---------------------------------------------------------------------------------
@@ -94,6 +95,7 @@ FORMS.update(
 )
 RobotEntry: Any = alone(RobotInMechanism)
 ElasticJointEntry: Any = alone(ElasticJoint)
+OptimisationEntry: Any = alone(Optimisation)
 ForceEntry: Any = one_of("forces", "jousto.mechanism.forces")
 
 
@@ -140,3 +142,4 @@ class ModelEntry(Entry):
         None, description="Outcomes and their bounds, such as max(tip.y) <= 12 mm"
     )
     reliability: ReliabilityEntry | None = None
+    optimisation: OptimisationEntry | None = None
