@@ -52,8 +52,9 @@ class Peak:
     def __str__(self) -> str:
         other = "" if self.other is None else f", held the other way {self.value(self.other)}"
         return (
-            f"{self.limit}: part alone {self.value(self.own)}{other}, flexible machine "
-            f"{self.value(self.true)} ({100 * self.excess:+.2f} %), limit {self.value(1.0)}"
+            f"{self.limit}: limit {self.value(1.0)}\n"
+            f"    part alone {self.value(self.own)}{other}\n"
+            f"    flexible machine {self.value(self.true)} ({100 * self.excess:+.2f} %)"
         )
 
 
