@@ -151,7 +151,7 @@ def why_not_exchanged(model: Model) -> str:
     if model.events:
         return "events of the machine are found in its own steps"
     if any(friction.sticks for friction in model.frictions):
-        return "friction that sticks changes with its own steps"
+        return "stick-slip friction changes its state at its own steps"
     if model.meters:
         return "damage is counted at its own steps"
     return ""
