@@ -66,9 +66,9 @@ class _Laid:
     Attributes
     ----------
     rooms : list of arrays
-        Its numbers.
+        Arrays of numbers of the model.
     blocks : list of (str, array)
-        Its structs by kind, the jo_model itself last.
+        Structs of the model by kind, the jo_model itself last.
     """
 
     def __init__(self, model: Model) -> None:
