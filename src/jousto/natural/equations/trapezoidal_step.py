@@ -219,8 +219,8 @@ class Stepper:
 
         ``M a + Cq^T (alpha C'' + lam) = Q``, where lam increases by ``alpha C''`` until C'' = 0.
         Multipliers of redundant rows are not unique. Every iteration solves for the residual of the
-        last one, which removes rounding errors of the factors; they are large for modes in a node
-        frame.
+        last one, which removes the rounding errors of the factors; these errors are large for modes
+        in a node frame.
         """
         machine, place, v, t, lam = self.machine, motion.place, motion.v, motion.t, motion.lam
         self.weigh(place)
