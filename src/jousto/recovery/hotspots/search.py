@@ -154,7 +154,7 @@ def search(
         batch = min(2 * batch, MOST)
     chosen = np.array(spots, dtype=np.intp)
     unseen = alive & ~seen
-    # the margin allows for orders of summation that differ from the exact values
+    # the margin covers sums in another order than those of the exact values
     left = np.maximum(upper, lower + work.margin)[alive]
     certificate = Proof(
         places=ns,
