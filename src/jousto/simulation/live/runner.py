@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 PICTURES = 60.0  # glances per second of real time
 SWITCH = 2e-4  # switch interval of Python's threads, s: longest delay of a step by another thread
 IDLE = 0.5  # longest wait for a command, s
-ALONE = 0.02  # longest real time in one call of the engine, s, which delays orders
+ALONE = 0.02  # longest real time in one call of the engine, s; commands wait for its end
 CALL = 0.005  # real time in one call of the engine at the highest possible speed, s
 
 
