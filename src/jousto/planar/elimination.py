@@ -227,7 +227,7 @@ class BlockCoupling:
         self, shape: tuple[int, int], blocks: Sequence[tuple[Array, Array, PlanarCoupling]]
     ) -> None:
         self.shape = shape
-        self.blocks = [(np.asarray(r), np.asarray(c), m) for r, c, m in blocks]
+        self.blocks = [(_run(r), _run(c), m) for r, c, m in blocks]
 
     def f(self, q: Array) -> Array:
         """Return the slave displacements."""
@@ -239,7 +239,7 @@ class BlockCoupling:
     def _place(self, parts: Sequence[Array]) -> Array:
         B = np.zeros(self.shape, dtype=np.result_type(float, *parts))
         for (rows, columns, _), part in zip(self.blocks, parts, strict=True):
-            B[rows[:, None], columns] = part
+            B[_grid(rows, columns)] = part
         return B
 
     def B(self, q: Array) -> Array:
@@ -258,8 +258,23 @@ class BlockCoupling:
         """Return the sum of the geometric stiffness of the blocks."""
         K = np.zeros((self.shape[1], self.shape[1]), dtype=np.result_type(q, F))
         for rows, columns, part in self.blocks:
-            K[columns[:, None], columns] += part.Kg(q[columns], F[rows])
+            K[_grid(columns, columns)] += part.Kg(q[columns], F[rows])
         return K
+
+
+def _run(index: Array) -> Array | slice:
+    """Return indices as a slice if they follow each other, which is faster."""
+    index = np.asarray(index)
+    if len(index) and np.array_equal(index, np.arange(index[0], index[0] + len(index))):
+        return slice(int(index[0]), int(index[0]) + len(index))
+    return index
+
+
+def _grid(rows: Array | slice, columns: Array | slice) -> tuple[Any, Any]:
+    """Return the index of the entries of a matrix in given rows and columns."""
+    if isinstance(rows, slice) or isinstance(columns, slice):
+        return rows, columns
+    return rows[:, None], columns
 
 
 @dataclass(frozen=True)

@@ -136,7 +136,10 @@ def arc_length(
     _check_supports(system)
     free, sign = system.free, math.copysign(1.0, first)
     weight = np.array(
-        [float(np.mean(system.length)) if name.startswith("r of") else 1.0 for name in system.names]
+        [
+            float(np.mean(system.length)) if name.startswith(("r of", "stretch of")) else 1.0
+            for name in system.names
+        ]
     )[free]
     q, factor = np.zeros(system.size), 0.0
     found = [_Equilibrium(0.0, _at(system, q, 0.0), (0.0,))]
