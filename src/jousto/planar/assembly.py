@@ -32,6 +32,7 @@ from jousto.planar.items import (
     PlanarMass,
     PlanarMotion,
     PlanarSupport,
+    Prescribed,
     RigidLink,
     Signal,
     vector,
@@ -134,56 +135,25 @@ def assemble(frame: Declaration) -> System:
     chords = np.array([np.subtract(*frame.ends(e)[::-1]) for e in range(len(frame.beams))])
     coupling, unknowns = _nodes_coupling(frame, place, ends)
     stretches, names = shared_stretches(frame, ends, chords)
-    size = 3 * ends.total
-    groups, mass, own, parts = [], [], size, []
-    for kind, members in _kinds(frame).items():
-        beams = Beams.of(chords[members], [frame.beams[e].section for e in members])
-        dofs = ends.dofs[members]
-        first = own + kind.own * np.arange(len(members))
-        dofs = np.concatenate([dofs, first[:, None] + np.arange(kind.own)], axis=1)
-        groups.append(ElementGroup(kind, members, dofs, *kind.points(beams)))
-        mass.append((dofs, kind.masses(beams)))
-        at = np.where(stretches[members] < 0, -1, size + stretches[members])
-        motion = Motion(ends.dofs[members], at, size + len(names))
-        part = kind.own_coupling(beams, motion)
-        if part is not None:
-            parts.append((np.arange(own, own + part.shape[0]), part))
-        own += kind.own * len(members)
-    coupling = _with_own(coupling, len(names), size, own, parts)
-    M = _mass(frame, place, mass, own)
-    g = np.zeros(own)
-    g[0:size:3], g[1:size:3] = frame.gravity
-    column = {name: i for i, name in enumerate(unknowns)}
-    label = _labels(frame)
-    held = {
-        column[label[3 * place[s.node] + c]]
-        for s in frame.supports
-        for c, hold in enumerate((s.x, s.y, s.rotation))
-        if hold
-    }
-    moved = tuple(
-        (column[label[3 * place[m.node] + c]], motion)
-        for m in frame.motions
-        for c, motion in enumerate((m.x, m.y, m.rotation))
-        if motion is not None
-    )
-    held |= {k for k, _ in moved}
+    made = _groups(frame, ends, chords, stretches, len(names))
+    first = 3 * ends.total
+    coupling = _with_own(coupling, len(names), first, made.size, made.couplings)
+    M = _mass(frame, place, made)
+    g = np.zeros(made.size)
+    g[0:first:3], g[1:first:3] = frame.gravity
+    held, moved = _held(frame, place, unknowns)
     unknowns = [*unknowns, *names]
     sections = [beam.section for beam in frame.beams]
+    limited = [frame.element_of(e).shear_limit for e in range(len(sections))]
     return System(
         elimination=Elimination(coupling),
         free=np.array([i for i in range(len(unknowns)) if i not in held], dtype=int),
         moved=moved,
         names=tuple(unknowns),
-        groups=tuple(groups),
+        groups=tuple(made.groups),
         length=np.hypot(chords[:, 0], chords[:, 1]),
         D=np.array([(s.EA, s.GA, s.EI) for s in sections]),
-        limits=np.array(
-            [
-                beam.section.limit if frame.element_of(e).shear_limit else np.inf
-                for e, beam in enumerate(frame.beams)
-            ]
-        ),
+        limits=np.where(limited, [s.limit for s in sections], np.inf),
         M=M,
         loads=tuple((load, 3 * place[load.node]) for load in frame.loads),
         weight=M @ g,
@@ -192,6 +162,60 @@ def assemble(frame: Declaration) -> System:
         beta=frame.damping.stiffness,
         count=ends.nodes,
     )
+
+
+class _Made(NamedTuple):
+    """Groups of beams with their masses and couplings, and the number of all displacements."""
+
+    groups: list[ElementGroup]
+    masses: list[Array]
+    couplings: list[tuple[Array, PlanarCoupling]]
+    size: int
+
+
+def _groups(frame: Declaration, ends: Ends, chords: Array, stretches: Array, count: int) -> _Made:
+    """Return the beams of each element; own displacements come behind those of the ends."""
+    first = size = 3 * ends.total
+    groups: list[ElementGroup] = []
+    masses: list[Array] = []
+    couplings: list[tuple[Array, PlanarCoupling]] = []
+    for kind, members in _kinds(frame).items():
+        beams = Beams.of(chords[members], [frame.beams[e].section for e in members])
+        own = size + np.arange(kind.own * len(members))
+        dofs = np.concatenate([ends.dofs[members], own.reshape(len(members), -1)], axis=1)
+        groups.append(ElementGroup(kind, members, dofs, *kind.points(beams)))
+        masses.append(kind.masses(beams))
+        at = np.where(stretches[members] < 0, -1, first + stretches[members])
+        part = kind.own_coupling(beams, Motion(ends.dofs[members], at, first + count))
+        if part is not None:
+            couplings.append((own, part))
+        size += len(own)
+    return _Made(groups, masses, couplings, size)
+
+
+def _held(
+    frame: Declaration, place: dict[Any, int], unknowns: list[str]
+) -> tuple[set[int], tuple[tuple[int, Prescribed], ...]]:
+    """Return the supported and moved unknowns, and the moved ones with their motions."""
+    column = {name: i for i, name in enumerate(unknowns)}
+    label = _labels(frame)
+
+    def at(node: Node, c: int) -> int:
+        return column[label[3 * place[node] + c]]
+
+    held = {
+        at(s.node, c)
+        for s in frame.supports
+        for c, hold in enumerate((s.x, s.y, s.rotation))
+        if hold
+    }
+    moved = tuple(
+        (at(m.node, c), motion)
+        for m in frame.motions
+        for c, motion in enumerate((m.x, m.y, m.rotation))
+        if motion is not None
+    )
+    return held | {k for k, _ in moved}, moved
 
 
 def _kinds(frame: Declaration) -> dict[PlanarElement, Array]:
@@ -303,13 +327,11 @@ def _with_own(
     return ChainCoupling(outer, BlockCoupling((size + stretches, n + stretches), blocks))
 
 
-def _mass(
-    frame: Declaration, place: dict[Any, int], parts: list[tuple[Array, Array]], size: int
-) -> Array:
+def _mass(frame: Declaration, place: dict[Any, int], made: _Made) -> Array:
     """Return the mass matrix of the displacements (size, size)."""
-    M = np.zeros((size, size))
-    for dofs, of_beams in parts:
-        np.add.at(M, (dofs[:, :, None], dofs[:, None, :]), of_beams)
+    M = np.zeros((made.size, made.size))
+    for group, of_beams in zip(made.groups, made.masses, strict=True):
+        np.add.at(M, (group.dofs[:, :, None], group.dofs[:, None, :]), of_beams)
     for item in frame.masses:
         k = 3 * place[item.node]
         M[range(k, k + 3), range(k, k + 3)] += (item.mass, item.mass, item.inertia)
