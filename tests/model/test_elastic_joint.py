@@ -153,6 +153,31 @@ def test_methods_are_of_second_order(method: Any, coupling: Coupled) -> None:
     assert 3.5 < errors[0] / errors[1] < 4.5
 
 
+@pytest.mark.parametrize("coupling", ["exact", "reduced"])
+def test_on_a_flexible_boom_both_cores_agree(coupling: Coupled) -> None:
+    """A rigid tree with elastic joints on a flexible boom; ROS2 has the gears in its matrix."""
+    steel = jo.Material(E=2.1e11, nu=0.3, rho=7850)
+    strip = jo.Part.beam(2.0, jo.Rectangle(0.02, 0.04), 4, steel)
+    boom = jo.FlexibleBody("boom", jo.reduce(strip, jo.CraigBampton(("start", "end"), modes=2)))
+    items: list[Any] = [boom, jo.Fixed("foot", jo.ground["origin"], boom["start"])]
+    before: Any = boom["end"]
+    for k in range(4):
+        body = jo.RigidBody(
+            f"link {k}", 2.0, (0.01, 0.1, 0.1), center=(0.4, 0, 0), position=(2 + k, 0, 0)
+        )
+        pin = jo.Revolute(f"pin {k}", before, body["origin"], axis=(0, 1, k % 2))
+        gear: dict[str, Any] = {"damping": 2.0, "coupling": coupling}
+        items += [body, pin, ElasticJoint(f"pin {k}", pin.angle, -60, 2e-5, 2e3, **gear)]
+        before = body.at((1, 0, 0))
+    machine = jo.Mechanism(*items, jo.PositionSensor("q", before), jo.Gravity((0, 0, -G)))
+    joint, maximal = (jo.compile(machine, core=core) for core in ("joint", "maximal"))
+    assert "joint coordinates for" in jo.doctor(joint).core
+    exact = jo.simulate(maximal, 0.05, solver=jo.RK4(2e-5))["q"][-1]
+    for solver, error in ((jo.RK4(2e-5), 1e-9), (jo.ROS2(1e-4), 2e-6)):
+        found = jo.simulate(joint, 0.05, solver=solver)["q"][-1]
+        np.testing.assert_allclose(found, exact, atol=error)
+
+
 def test_friction_that_sticks_on_the_motor_beside_ros2() -> None:
     """The motor sticks, and its link swings on the gear."""
     body, joint, motor = link(0.1, windup=0.2)

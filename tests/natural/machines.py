@@ -63,6 +63,7 @@ def everything() -> jo.Mechanism:
         jo.Spring("table", cross.angle1, table=jo.Table([-1, 0, 1], [2.0, 0.0, -5.0])),
         jo.Servo("servo", cross.angle2, wave, kp=3.0, kd=0.1, limit=1.0),
         jo.JointForce("motor torque", cross.angle1, wave),
+        jo.mechanism.GearSpring("gear", cross.angle2, cross.angle1, -3.0, 20.0, damping=0.2),
         jo.mechanism.Stop("stop", cross.angle2, upper=-0.02, stiffness=40.0, restitution=0.3),
         jo.Bushing("bush", a["node3"], loose["origin"], (200, 300, 100, 4, 5, 6), 2.0),
         jo.Force("push", b["node3"], (100, 200, 300), signal=wave),
