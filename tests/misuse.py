@@ -471,6 +471,14 @@ def _recovery(made: Made, folder: Path) -> list[Call]:
         (jo.recovery.friction_stress, {"with_run": run, "without_run": run, "body": "arm"}),
         (jo.recovery.section_forces, {"run": made["beam run"], "beam": "arch"}),
         (jo.recovery.loads_of, {"run": run, "body": "arm", "times": [0.0]}),
+        (
+            jo.design.advise_flexibility,
+            {"machine": made["mechanism"], "t_end": 0.01, "bodies": "arm", "output_step": 1e-3},
+        ),
+        (
+            jo.design.reading_loss,
+            {"time": [0.0, 1.0], "full": [0.0, 1.0], "simple": [0.0, 1.0]},
+        ),
         (jo.recovery.without_friction, {"mechanism": made["mechanism"]}),
         (jo.recovery.Plane, {"normal": (0, 0, 1)}),
         (jo.gauges.read_record, {"path": run.to_csv(folder / "record.csv")}),

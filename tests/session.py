@@ -87,6 +87,7 @@ def parts(_: Objects, __: Path) -> Objects:
         "memory": jo.reduction.memory_estimate(beam, jo.CraigBampton(("start",), modes=4)),
         "relief": jo.reduction.inertia_relief(beam, np.ones((beam.M.shape[0], 1))),
         "solvers": jo.reduction.solvers(),
+        "reading loss": jo.design.reading_loss([0.0, 1.0, 2.0], [0.0, 1.0, 0.0], [0.0, 0.9, 0.0]),
         "ground": jo.ground,
     }
 
@@ -127,6 +128,7 @@ def machine(found: Objects, folder: Path) -> Objects:
         "verification": jo.verify(falling(), 2e-3),
         "driven": jo.compile(jo.read_model(EXAMPLES / "four_bar.yaml", rigid=True).mechanism),
         "file": jo.read_model(EXAMPLES / "flexible_pendulum.yaml"),
+        "flexibility": jo.design.advise_flexibility(mechanism, 0.02, output_step=1e-3),
     }
 
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
 import jousto as jo
+from jousto.mechanism.bodies.rigid_equivalent import rigid_body
 from jousto.recovery.loads.nodal_forces import nodal_forces
-from jousto.schema.make.model import rigid_body
 from verification import calculix
 from verification.boxes import block
 from verification.solids import solid

@@ -19,7 +19,8 @@ from jousto.cli.terminal import log_to_screen, report, say, shown_warnings, spel
 Function = TypeVar("Function", bound=Callable[..., None])
 
 OFFERS = {
-    "parts": "advise reduce",
+    "advise": "advise",
+    "parts": "reduce",
     "export": "export",
     "realtime": "realtime",
     "commands": "check run info plot animate schema",

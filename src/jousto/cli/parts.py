@@ -1,4 +1,4 @@
-"""Commands on parts: reduce, export, advise, and the output of certificates."""
+"""Commands on parts: reduce, and the output of certificates."""
 
 from __future__ import annotations
 
@@ -11,11 +11,10 @@ import typer
 from jousto.base.errors import InputError, Problem
 from jousto.base.names import file_name
 from jousto.cli.group import command
-from jousto.cli.options import Output, PartName, PartPath, Solver, amount
+from jousto.cli.options import Output, PartName, PartPath, Solver
 from jousto.cli.terminal import FAILED, facts, say
 
 if TYPE_CHECKING:
-    from jousto.parts.part import Part
     from jousto.reduction.reduced import ReducedPart
     from jousto.schema.read import PartFile
 
@@ -126,96 +125,3 @@ def tell_certificate(
         write(certificate, page)
         say(f"certificate in {page}", style="green")
     return certificate.passed
-
-
-@command()
-def advise(
-    part: PartPath,
-    name: PartName = None,
-    frequency_limit: Annotated[
-        str | None,
-        typer.Option("--frequency-limit", metavar="HZ", help="Highest frequency that matters."),
-    ] = None,
-    load: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--load", metavar="NODES.fx", help="Unit force or moment to be met: tip.fz, node3.mx."
-        ),
-    ] = None,
-    accuracy: Annotated[
-        float, typer.Option("--accuracy", metavar="SHARE", help="Largest relative error.")
-    ] = 0.01,
-    solver: Solver = None,
-) -> None:
-    """Propose the modes of a part for a frequency limit or for loads, with the gain of each mode.
-
-    The interfaces are those of the part's `reduce` entry; without --frequency-limit and --load its
-    frequency_limit applies.
-    """
-    from jousto.certificate.advice import advise as propose
-    from jousto.reduction.methods import CraigBampton
-    from jousto.schema.read import read_part_file
-
-    file = read_part_file(part, name, reduce=False)
-    if file.part is None:
-        message = "was reduced before: advice needs the part with its mesh"
-        raise InputError(Problem(f"part '{file.name}'", message))
-    limit = amount(frequency_limit, "Hz", "--frequency-limit")
-    interfaces = file.method.interfaces if isinstance(file.method, CraigBampton) else ()
-    loads: dict[str, Any] = {}
-    for text in load or ():
-        pattern = _load(file.part, text)
-        if pattern is None:
-            place = text.rpartition(".")[0]
-            say(f"--load {text}: '{place}' is an interface, its static loads are exact anyway")
-        else:
-            loads[text] = pattern
-    if limit is None and not loads:
-        limit = file.method.frequency_limit
-    advice = propose(
-        file.part,
-        interfaces,
-        frequency_limit=limit,
-        loads=loads or None,
-        accuracy=accuracy,
-        solver=solver,
-        progress=sys.stderr.isatty(),
-    )
-    text = str(advice)
-    residuals = getattr(advice.method, "residuals", ())
-    if residuals and all(".f" in load[-3:] for load in loads):
-        # residual loads as entries of a model file, where loads at nodes are forces without moments
-        entries = ", ".join(_entry(load) for load in loads)
-        text = text.replace(f"residuals={residuals}", f"residuals: [{entries}]")
-    for line in text.splitlines():
-        say(line, style="green" if line.startswith("take ") else "")
-
-
-def _entry(text: str) -> str:
-    """Return the residual load `tip.fz` as an entry of a model file."""
-    place, _, kind = text.rpartition(".")
-    along = ", ".join("1" if kind[1] == axis else "0" for axis in "xyz")
-    return f"{{force: [{along}], nodes: {place}}}"
-
-
-def _load(part: Part, text: str) -> Any:
-    """Return the nodal loads of a unit force or moment on a set; None for an interface."""
-    import numpy as np
-
-    from jousto.base.errors import suggest
-
-    kinds = ("fx", "fy", "fz", "mx", "my", "mz")[: part.dofs_per_node]
-    place, _, kind = text.rpartition(".")
-    if kind not in kinds or not place:
-        known = ", ".join(kinds)
-        message = f"is {text!r}, must be a node set and one of {known}, such as tip.{kinds[0]}"
-        raise InputError(Problem("--load", message))
-    if any(tie.name == place for tie in part.ties):
-        return None
-    if place not in part.node_sets:
-        message = f"no node set '{place}'{suggest(place, part.node_sets)}"
-        raise InputError(Problem("--load", message))
-    nodes = np.array(part.node_sets[place])
-    f = np.zeros((len(part.nodes), part.dofs_per_node))
-    f[nodes, kinds.index(kind)] = 1.0 / len(nodes)
-    return f.ravel()

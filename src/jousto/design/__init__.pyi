@@ -1,4 +1,8 @@
 # names of jo.design; they are loaded from here when they are first used
+from .flexibility.advise_flexibility import advise_flexibility as advise_flexibility
+from .flexibility.body_advice import BodyAdvice as BodyAdvice, ReadingAdvice as ReadingAdvice
+from .flexibility.flexibility_advice import FlexibilityAdvice as FlexibilityAdvice
+from .flexibility.reading_loss import ReadingLoss as ReadingLoss, reading_loss as reading_loss
 from .optimisation.comparison import Comparison as Comparison
 from .optimisation.equivalent import equivalent_loads as equivalent_loads
 from .optimisation.from_model_file import file_problem as file_problem

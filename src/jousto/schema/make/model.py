@@ -5,14 +5,11 @@ from __future__ import annotations
 import warnings
 from typing import Any
 
-import numpy as np
-
 from jousto.base.errors import InputError, Problems
 from jousto.base.names import check_name
 from jousto.mechanism.assembly import Assembly
-from jousto.mechanism.bodies.base import Posed
-from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
-from jousto.mechanism.bodies.inertia import rigid_inertia
+from jousto.mechanism.bodies.body import FlexibleBody
+from jousto.mechanism.bodies.rigid_equivalent import rigid_body
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.joints.base import align_frames
@@ -252,46 +249,3 @@ def places_of(items: list[tuple[Loc, Any]]) -> tuple[dict[str, Loc], dict[str, L
     own = {where(item): loc for loc, item in items}
     robots = [(loc, item) for loc, item in items if isinstance(item, Assembly)]
     return own, {where(x): loc for loc, robot in robots for x in robot.items}
-
-
-def rigid_body(body: FlexibleBody) -> RigidBody:
-    """Return the rigid body with the mass, inertia and named nodes of a flexible one."""
-    reduced = body.reduced
-    center, inertia = rigid_inertia(reduced.invariants)
-    return RigidBody(
-        **{key: getattr(body, key) for key in Posed.fields},
-        mass=reduced.invariants.mass,
-        inertia=inertia,
-        center=center,
-        markers=reduced.named_nodes,
-        outline=drawn_outline(reduced.nodes, reduced.elements),
-    )
-
-
-def drawn_outline(nodes: Any, elements: Any) -> Any:
-    """Return the triangles (nt, 3, 3) of a solid; for beams a polyline along all elements."""
-    if np.ndim(elements) == 2 and np.shape(elements)[1] == 3 and len(elements):
-        return np.asarray(nodes)[np.asarray(elements)]
-    return round_trip(nodes, elements)
-
-
-def round_trip(nodes: Any, elements: Any) -> Any:
-    """Return a closed polyline (k, 3) that passes along all elements; None without elements."""
-    if np.ndim(elements) != 2 or not len(elements):
-        return None
-    neighbours: dict[int, list[int]] = {}
-    for a, b in np.asarray(elements)[:, [0, -1]].tolist():
-        neighbours.setdefault(a, []).append(b)
-        neighbours.setdefault(b, []).append(a)
-    way, drawn, here = [int(elements[0][0])], set(), [int(elements[0][0])]
-    while here:
-        a = here[-1]
-        ahead = [b for b in neighbours[a] if frozenset((a, b)) not in drawn]
-        if ahead:
-            drawn.add(frozenset((a, ahead[0])))
-            here.append(ahead[0])
-        else:
-            here.pop()
-        if here:
-            way.append(here[-1])
-    return np.asarray(nodes)[way]
