@@ -82,6 +82,8 @@ def test_the_section_of_the_file() -> None:
     assert problem.rigid == jo.design.RigidMachine(held="force")
     flexible = MODEL.replace("{machine: rigid, held: force}", "{machine: flexible}")
     assert jo.design.file_problem(parse_model(flexible)).rigid is None
+    with pytest.raises(InputError, match="reliable design: runs the flexible machine only"):
+        jo.design.file_rbdo(parse_model(MODEL))
     with pytest.raises(InputError, match="held has no effect without machine: rigid"):
         parse_model(MODEL.replace("machine: rigid", "machine: flexible"))
     with pytest.raises(InputError, match="machine"):

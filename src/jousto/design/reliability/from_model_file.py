@@ -89,6 +89,9 @@ def file_rbdo(
     problems = Problems()
     if not texts:
         problems.add(WHERE, "there are no limits; give some, or limits: [...] in the model file")
+    if file.optimisation is not None and file.optimisation.rigid is not None:
+        message = "runs the flexible machine only; leave out optimisation: {machine: rigid}"
+        problems.add(WHERE, message)
     if beta is None:
         message = "no target index: give target=, or reliability: {target: 3}"
         problems.add(WHERE, message)
