@@ -176,6 +176,7 @@ FORCES = {
     "along": test_forces.spring(1, 4.0),
     "angle": test_forces.spring(2, 0.3),
     "limited": ForceModel("s", "along", np.array([300.0, 20.0, 0.7, 5.0, 20.0]), coordinate=2),
+    "gear spring": test_forces.gear(),
     "bushing": test_forces.bushing(1.0),
     "modal load": ForceModel("push", "modal load", np.arange(6.0) - 2.0, body=1),
     "load": ForceModel("push", "load", np.arange(6.0) - 2.0, b=1, follow=True, signal=0),

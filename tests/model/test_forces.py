@@ -34,6 +34,13 @@ def spring(coordinate, damping=0.0):
     return ForceModel("spring", "along", data, coordinate=coordinate)
 
 
+def gear(damping=0.4):
+    """Return a gear spring between a displacement and an angle."""
+    return ForceModel(
+        "gear", "gear spring", np.array([300.0, damping, -3.0, 0.1]), coordinate=1, other=2
+    )
+
+
 def two_bodies(*forces, spin=0.0):
     """Two free bodies, not aligned, and coordinates 0 distance, 1 along z, 2 angle."""
     turn = np.array([0.9, 0.2, -0.3, 0.1])
@@ -67,7 +74,7 @@ def virtual_work(engine, dx):
     return work
 
 
-@pytest.mark.parametrize("force", [bushing(), spring(0), spring(1), spring(2)])
+@pytest.mark.parametrize("force", [bushing(), spring(0), spring(1), spring(2), gear(0.0)])
 def test_forces_are_the_gradient_of_the_stored_energy(force):
     model = two_bodies(force)
     real, exact = jo.model.Engine(model), jo.model.Engine(model, complex_scalars=True)
@@ -94,7 +101,7 @@ def test_a_force_between_bodies_neither_pushes_nor_turns_the_whole():
 
 
 @pytest.mark.parametrize("method", ["rk4", "ros2"])
-@pytest.mark.parametrize("force", [bushing(1.0), spring(0, 4.0), spring(2, 0.2)])
+@pytest.mark.parametrize("force", [bushing(1.0), spring(0, 4.0), spring(2, 0.2), gear()])
 def test_the_energy_balance_closes_with_the_step(method, force):
     model = two_bodies(force, spin=25.0)
     first = 1 + model.nq + model.nv + model.nrow

@@ -100,6 +100,7 @@ FORCES = {
     "angle": test_forces.spring(2, 0.3),
     "servo": ForceModel("servo", "along", SERVO, coordinate=2, active=True),
     "limited servo": ForceModel("servo", "along", LIMITED, coordinate=2, active=True),
+    "gear spring": test_forces.gear(),
     "bushing": test_forces.bushing(1.0),
     "modal load": ForceModel("push", "modal load", np.arange(6.0) - 2.0, body=1),
 }
