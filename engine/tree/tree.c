@@ -281,8 +281,10 @@ static inline int joint_space_inertia(const jo_data *d, const jo_stage *stage, c
     return JO_RE(w->D) > 0.0;
 }
 
-/* The motor of a gear spring is eliminated: c^2 / D, c u / D, c U / D to the joint of the spring. */
-static inline void pass_to_joint(jo_data *d, const jo_stage *stage, const jo_link *k, const jo_link_work *w, jo_link_coupling *g)
+/* The motor of a gear spring is eliminated: c^2 / D, c u / D, c U / D to the joint of the spring. If the motor stands on the link of that
+ * joint, with the axis S of the joint: c (c + 2 S^T U) / D, and c U / D is moved to the origin of the joint's parent. */
+static inline void pass_to_joint(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_link *k, const jo_link_work *w,
+                                 jo_link_coupling *g)
 {
     jo_link_coupling *q = &d->tree.coupling[g->to];
     g->c = stage->gh * (g->damping + stage->gh * g->stiffness);
@@ -292,11 +294,16 @@ static inline void pass_to_joint(jo_data *d, const jo_stage *stage, const jo_lin
     if (k->parent < 0) return;
     q->Uf = jo_vec_axpy(q->Uf, share, w->Uf);
     q->Ut = jo_vec_axpy(q->Ut, share, w->Ut_parent);
+    if (k->parent != g->to) return;
+    const jo_link_work *joint = &d->tree.link[g->to + 1];
+    const int hinge = m->link[g->to].type == JO_LINK_HINGE;
+    q->Dc += 2.0 * share * jo_vec_dot(joint->A[2], hinge ? w->Ut_parent : w->Uf);
+    q->Ut = jo_vec_axpy(q->Ut, share, jo_vec_cross(joint->l, w->Uf));
 }
 
 /* y: I_i^A, p_i^A on entry, I^a, p^a at the origin of the parent on return. Returns whether D_i is regular. */
-static inline int eliminate_joint(jo_data *d, const jo_stage *stage, const jo_link *k, jo_link_coupling *g, int store_all,
-                                  jo_link_work *w, articulated_inertia *y)
+static inline int eliminate_joint(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_link *k, jo_link_coupling *g,
+                                  int store_all, jo_link_work *w, articulated_inertia *y)
 {
     int regular = 1;
     if (jo_link_is_prescribed(d, k)) {   /* I^a = I^A, p^a = p^A, with the prescribed acceleration in c_i */
@@ -304,7 +311,7 @@ static inline int eliminate_joint(jo_data *d, const jo_stage *stage, const jo_li
         if (k->parent >= 0) shift_to_parent(w, y);
     } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
         regular = joint_space_inertia(d, stage, k, g, w, y);
-        if (g && g->to >= 0) pass_to_joint(d, stage, k, w, g);
+        if (g && g->to >= 0) pass_to_joint(m, d, stage, k, w, g);
         if (store_all) store(y, w);
         if (k->parent >= 0) eliminate_one_dof(w, y);
     } else {
@@ -353,7 +360,7 @@ static int backward_pass(const jo_model *m, jo_data *d, const jo_stage *stage)
             y.t = jo_vec_add(y.t, w->joint_t);
         }
         /* U, D, u; I^a, p^a */
-        if (!eliminate_joint(d, stage, k, d->tree.coupled ? &d->tree.coupling[i] : 0, store_all, w, &y)) {
+        if (!eliminate_joint(m, d, stage, k, d->tree.coupled ? &d->tree.coupling[i] : 0, store_all, w, &y)) {
             d->error_index = k->body >= 0 ? k->body : m->link[i + 1].body;
             return JO_RE(w->D) == JO_RE(w->D) ? JO_SINGULAR_BODY : JO_NOT_FINITE;
         }

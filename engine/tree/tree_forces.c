@@ -5,8 +5,8 @@
  *   k_q1 = v0 + g h a1,            (M + g h D + (g h)^2 K) a1 = F0 - g h K v0
  *   k_q2 = v1 - 2 g h a1 + g h a2, (M + g h D + (g h)^2 K) a2 = F1 + g h (K (2 v0 - v1 + 4 g h a1) + 2 D a1)
  * where k_q is eliminated from the second row. On a tree K and D are diagonal, of springs and dampers along joint coordinates: they
- * enter D_i = S_i^T U_i of tree.c, the terms on the right enter tau. A gear spring between two joints of one parent has an element
- * off the diagonal, see jo_link_coupling.
+ * enter D_i = S_i^T U_i of tree.c, the terms on the right enter tau. A gear spring between two joints of one parent, or between the joint of
+ * a link and a motor on it, has an element off the diagonal, see jo_link_coupling.
  */
 #include "maximal/maximal.h"
 #include "force/force.h"
@@ -155,8 +155,8 @@ void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage 
 /* whether the gear spring of a motor at link `motor` and a joint at link `to` can be in the matrix, see jo_link_coupling */
 static int can_couple(const jo_model *m, const jo_data *d, int motor, int to)
 {
-    const jo_link *k = &m->link[motor];
-    return !m->nloop && motor > to && d->tree.coupling[motor].to < 0 && (k->parent < 0 || k->parent == m->link[to].parent);
+    const int on = m->link[motor].parent;
+    return !m->nloop && motor > to && d->tree.coupling[motor].to < 0 && (on < 0 || on == to || on == m->link[to].parent);
 }
 
 /* K and D of a gear spring; none if it acts on other motions than the free joint coordinates of two links */

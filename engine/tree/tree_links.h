@@ -202,9 +202,10 @@ struct jo_link_response {
     jo_real u;              /* change of u, the force along the joint */
 };
 
-/* Gear spring between the joint of a link, a motor, and the joint of another link `to` of the same parent, in the matrix M + g h D +
- * (g h)^2 K of a Rosenbrock method: an element c off its diagonal. The motor is eliminated first: D_to -= c^2 / D, U_to -= c U / D,
- * u_to -= c u / D. A motor on the ground (parent -1) has no part in U_to, since the ground does not move. */
+/* Gear spring between the joint of a link, a motor, and the joint of another link `to` in the matrix M + g h D + (g h)^2 K of a Rosenbrock
+ * method: an element c off its diagonal. The motor is eliminated first: D_to -= c^2 / D, U_to -= c U / D, u_to -= c u / D. Both links have
+ * one parent, or the motor stands on `to`: then D_to -= c (c + 2 S_to^T U) / D, since `to` moves U. A motor on the ground (parent -1) has no
+ * part in U_to, since the ground does not move. */
 struct jo_link_coupling {
     int to;                 /* of a motor; -1: none */
     jo_real stiffness, damping;   /* of a motor: K, D off the diagonal; c = g h (D + g h K) */

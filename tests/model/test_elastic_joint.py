@@ -105,6 +105,23 @@ def test_a_link_goes_round(core: str) -> None:
     np.testing.assert_allclose(found, 8.705858464, rtol=1e-9)
 
 
+@pytest.mark.parametrize("ratio", [100.0, -40.0])
+def test_statics_of_a_motor_that_turns_several_times(ratio: float) -> None:
+    """A soft servo holds the motor: 50 and 900 N m/rad in series under the weight of the link."""
+    body, joint, _ = link()
+    motor = ElasticJoint("shoulder", joint.angle, ratio, 3.5e-5, 900.0)
+    servo = jo.Servo("servo", motor.motor, 0.0, kp=50.0 / ratio**2)
+    read = jo.CoordinateSensor("q", joint.angle), jo.CoordinateSensor("phi", motor.motor)
+    items = (body, joint, motor, servo, *read, jo.Gravity((0, -G, 0)))
+    model = jo.compile(jo.Mechanism(*items))
+    run = jo.simulate(model, 0.01, state=jo.equilibrium(model))
+    series = 50.0 * 900.0 / 950.0
+    q = brentq(lambda x: series * x + 4 * G * 0.4 * np.cos(x), -1.0, 0.0, xtol=1e-15)
+    np.testing.assert_allclose(run["q"][:, 0], q, rtol=1e-9)
+    np.testing.assert_allclose(run["phi"][:, 0] / ratio, q * series / 50.0, rtol=1e-9)
+    assert abs(run["phi"][0, 0]) > 2 * np.pi
+
+
 @pytest.mark.parametrize("coupling, third", [("exact", 178.7170757), ("reduced", 178.6123391)])
 def test_frequencies_of_an_arm(coupling: Coupled, third: float) -> None:
     held = speeds(arm(coupling, brake=True))
@@ -142,6 +159,35 @@ def test_stiff_gears_do_not_limit_the_step_of_ros2() -> None:
     assert abs(errors[0]) < 5e-5 * abs(rigid)
     grown = end(jo.compile(jo.Mechanism(*items), core="maximal"), 0.5, solver=jo.ROS2(1e-3))
     assert abs(grown - rigid) > abs(rigid)
+
+
+def wheel_drive(K: float, sliding: bool, ratio: float = -80.0) -> jo.Model:
+    """Return a cart or wheel whose joint is declared from it to the ground: the motor is on it.
+
+    Another link on it shakes the motor; ``theta' = -q'`` where the gear is rigid.
+    """
+    body = jo.RigidBody("body", 4.0, (0.1, 0.2, 0.3), center=(0.1, 0.02, 0.03))
+    other = jo.RigidBody("other", 1.0, (0.01, 0.02, 0.03), center=(0.2, 0.1, 0.0))
+    kind: Any = jo.Prismatic if sliding else jo.Revolute
+    joint = kind("joint", body["origin"], jo.ground["origin"], axis=(1, 0.2, 0.3))
+    swing = jo.Revolute("swing", body["origin"], other["origin"], axis=(0, 1, 0))
+    motor = ElasticJoint("joint", joint.coordinates[0], ratio, 2e-4, K, damping=K / 3e4)
+    torque = jo.JointForce("torque", motor.motor, jo.Harmonic(frequency=1.0, amplitude=0.5))
+    read = jo.CoordinateSensor("q", motor.coordinate)
+    items = (body, other, joint, swing, motor, torque, read, jo.Gravity((0, 0, -G)))
+    return jo.compile(jo.Mechanism(*items), core="joint")
+
+
+@pytest.mark.parametrize("sliding", [False, True])
+def test_a_motor_on_the_moving_body_is_in_the_matrix_of_ros2(sliding: bool) -> None:
+    """Second order, and a gear 1e4 times as stiff does not limit the step."""
+    soft, stiff = wheel_drive(3e4, sliding), wheel_drive(3e8, sliding)
+    assert soft.tree[0].reversed
+    exact = end(soft, 0.2)
+    errors = [abs(end(soft, 0.2, solver=jo.ROS2(h)) - exact) for h in (4e-4, 2e-4)]
+    assert 3.5 < errors[0] / errors[1] < 4.5
+    rigid = end(wheel_drive(3e5, sliding), 0.2, solver=jo.ROS2(1e-5))
+    np.testing.assert_allclose(end(stiff, 0.2, solver=jo.ROS2(1e-3)), rigid, rtol=2e-3)
 
 
 @pytest.mark.parametrize("coupling", ["exact", "reduced"])
@@ -235,21 +281,48 @@ def test_the_doctor_says_the_explicit_step() -> None:
     assert jo.doctor(bare).explicit_step is None
 
 
-@UNSTABLE
-def test_the_explicit_step_is_that_of_rk4() -> None:
-    body, joint, motor = link(windup=0.1)
-    model = jo.compile(jo.Mechanism(body, joint, motor, jo.CoordinateSensor("q", joint.angle)))
-    step = jo.doctor(model).explicit_step
-    assert step is not None
-    assert abs(end(model, 200 * step, solver=jo.RK4(0.98 * step))) < 0.2
-    with pytest.raises(jo.simulation.RunFailed, match="diverged"):
-        end(model, 200 * step, solver=jo.RK4(1.05 * step))
-
-
 # -- laws ------------------------------------------------------------------------------------
 
 
 DRIVE = HarmonicDrive(stiffness=(1e4, 1.4e4, 1.7e4), torques=(14, 48))
+
+
+@UNSTABLE
+@pytest.mark.parametrize(
+    "losses",
+    [
+        {},
+        {"damping": 1.5},
+        {"damping": 50.0},  # decays without vibration
+        {"damping": 1.5e3},
+        {"viscous": 0.2},
+        {"friction": 0.2},  # of full size above a small speed only
+        {"damping": 10.0, "viscous": 1e-3, "law": DRIVE, "stiffness": None},
+    ],
+)
+def test_the_explicit_step_is_that_of_rk4(losses: dict[str, Any]) -> None:
+    body, joint, motor = link(windup=1e-3, **losses)
+    model = jo.compile(jo.Mechanism(body, joint, motor, jo.CoordinateSensor("q", joint.angle)))
+    step = jo.doctor(model).explicit_step
+    assert step is not None
+    assert abs(end(model, 200 * step, solver=jo.RK4(0.98 * step))) < 2e-3
+    if losses.get("friction") or "law" in losses:  # softer at large speeds, at small wind-up
+        return
+    with pytest.raises(jo.simulation.RunFailed, match="diverged"):
+        end(model, 1500 * step, solver=jo.RK4(1.05 * step))
+
+
+def test_the_explicit_step_sees_a_servo_of_the_motor() -> None:
+    """Position control at the motor: ``B theta'' = -kp N^2 theta``, stiffer than the gear."""
+    body, joint, motor = link()
+    servo = jo.Servo("servo", motor.motor, 0.0, kp=30.0, kd=0.05)
+    step = jo.doctor(jo.Mechanism(body, joint, motor, servo)).explicit_step
+    K, D = np.array([[900.0, -900.0], [-900.0, 900 + 30e4]]), np.diag([0.0, 0.05e4])
+    H = np.diag([1 / 0.8, 1 / 0.35])
+    rates = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-H @ K, -H @ D]]))
+    x = step * rates
+    growth = np.abs(1 + x + x**2 / 2 + x**3 / 6 + x**4 / 24)
+    assert 0.95 < growth.max() < 1.0
 
 
 def test_windup_of_a_harmonic_drive() -> None:

@@ -313,3 +313,21 @@ def test_an_engine_that_cannot_begin_ends_with_a_verdict() -> None:
     found = verify(pushed, 0.1, begin=jo.equilibrium)
     assert found.word == "undecided"
     assert "the engine cannot begin: no static equilibrium" in found.verdict
+
+
+@pytest.mark.parametrize("start", ["declared", "initial"])
+def test_elastic_joints_agree(start: str) -> None:
+    """The rotor has almost no inertia across its axis; `Initial` takes the motor with it."""
+    body = jo.RigidBody("link", 4.0, (0.01, 0.16, 0.16), center=(0.4, 0, 0))
+    joint = jo.Revolute("joint", jo.ground["origin"], body["origin"], axis=(0, 0, 1))
+    motor = jo.mechanism.ElasticJoint(
+        *("joint", joint.angle, -50, 1e-4, 900.0), damping=1.0, windup=0.05
+    )
+    moved = () if start == "declared" else (jo.Initial(joint.angle, value=0.7, rate=3.0),)
+    felt = jo.ForceSensor("felt", motor.gear)
+    result = verify(
+        jo.Mechanism(body, joint, motor, felt, jo.Gravity((0, -9.81, 0)), *moved), 0.02, step=1e-3
+    )
+    assert result.agrees, result
+    assert "not compared" not in result.verdict
+    assert next(row for row in result.rows if row.name == "felt").order == pytest.approx(2, abs=0.3)

@@ -18,7 +18,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.certificate.load_warnings import unheld_loads
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.compile import compile
-from jousto.model.gear_springs import fastest_gear
+from jousto.model.gear_springs import explicit_step
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.rank.motions import moving, neighbour, without_drives
@@ -32,7 +32,6 @@ from jousto.model.rank.redundancy import (
 )
 from jousto.model.tree import BODIES, core_of
 
-EXPLICIT = 2.8  # step times the largest frequency up to which RK4 is stable
 LARGE = 2000  # number of velocities above which the mobility with rigid bodies is not computed
 
 
@@ -66,8 +65,8 @@ class Diagnosis:
     core : str
         Solver core, and the reason if it is not joint coordinates (see `compile`).
     explicit_step : float or None
-        Step, s, below which explicit methods are stable with the gear springs (`ElasticJoint`);
-        None without any.
+        Step, s, below which RK4 is stable with the gear springs (`ElasticJoint`) and the springs,
+        dampers and servos along their shafts; None without any.
     """
 
     name: str
@@ -190,7 +189,7 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
         redundancy=found,
         warnings=messages,
         core=core_of(model),
-        explicit_step=EXPLICIT / fastest if (fastest := fastest_gear(model)) else None,
+        explicit_step=explicit_step(model),
     )
     return _with_motions(diagnosis, model)
 

@@ -10,6 +10,7 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.numbers import number
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
+from jousto.natural.equations.gears_at_start import wind_gears
 from jousto.natural.equations.initial_state import angles, declared_state, state_of_engine
 from jousto.natural.equations.sensors import Reader
 from jousto.natural.equations.system import Machine
@@ -94,6 +95,7 @@ def moving_frame(
     machine = Machine(mechanism)
     reader = Reader(machine, mechanism.sensors)
     machine.close()
+    wind_gears(machine)
     near = angles(machine)
     q, v = declared_state(machine) if state is None else state_of_engine(machine, state)
     start = machine.place(q, 0.0, near)

@@ -10,6 +10,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
+from jousto.natural.equations.gears_at_start import wind_gears
 from jousto.natural.equations.initial_state import angles, state_of_engine
 from jousto.natural.equations.sensors import Reader
 from jousto.natural.equations.system import Machine
@@ -54,6 +55,7 @@ def at_states(
     machine = Machine(mechanism)
     reader = Reader(machine, sensors)
     machine.close()
+    wind_gears(machine)
     near, last = angles(machine), 0.0
     rate: Array | None = None
     stepper: Stepper | None = None

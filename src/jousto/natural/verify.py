@@ -25,6 +25,7 @@ from jousto.natural.added_sensors import largest_of, typical_sizes, with_added_s
 from jousto.natural.comparison import Compared, Way, sizes
 from jousto.natural.engine_variants import FOLLOWING, SHAKY, Course, by_other_method, others
 from jousto.natural.equations.supported import check_known, is_read
+from jousto.natural.equations.trapezoidal_step import PENALTY
 from jousto.natural.moving_frame import moving_frame
 from jousto.natural.rebuilt_mechanism import with_constant_inputs
 from jousto.natural.result import NaturalRun
@@ -42,6 +43,8 @@ OUTPUTS, EVERY = 200, 10
 OPEN = 1e-8  # gap over the size of the mechanism, or rad, above which a joint is open
 STILL = 1e-12  # change over the largest position, below which it is round-off
 DONE = ("dissipated", "friction", "work")
+PENALTIES = (PENALTY, 1e4 * PENALTY)
+"""Penalties of the moving frame; the second one is for bodies with almost no inertia."""
 
 
 @explained
@@ -244,16 +247,28 @@ def half(run: Solution) -> int:
 def by_moving_frame(
     mechanism: Mechanism, t_end: float, step: float, output: float, begun: State
 ) -> tuple[list[NaturalRun], str]:
-    """Return runs of the moving frame with the step and half of it, or none and the reason."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # overflow before the iteration stops
-            return [
-                moving_frame(mechanism, t_end, step=step / k, output_step=output, state=begun)
-                for k in (1, 2)
-            ], ""
-    except SimulationError as error:
-        return [], str(error)
+    """Return runs of the moving frame with the step and half of it, or none and the reason.
+
+    Bodies with almost no inertia, such as rotors of elastic joints, need a larger penalty.
+    """
+    why = ""
+    for penalty in PENALTIES:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", RuntimeWarning)  # overflow before it stops
+                return [
+                    moving_frame(
+                        *(mechanism, t_end),
+                        step=step / k,
+                        output_step=output,
+                        state=begun,
+                        penalty=penalty,
+                    )
+                    for k in (1, 2)
+                ], ""
+        except SimulationError as error:
+            why = why or str(error)
+    return [], why
 
 
 def facts_of(frames: list[NaturalRun], energy: tuple[float, ...]) -> dict[str, Any]:

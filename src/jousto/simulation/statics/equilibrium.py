@@ -104,9 +104,12 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
     bound, largest = 1.0, 0.0
     body = ""
     for _ in range(ITERATIONS):
-        t = at_rest(model, replace(start, q=q, v=rest, turn=None, joint=None))
+        t = at_rest(model, replace(start, q=q, v=rest, turn=np.array(engine.turn), joint=None))
         if t.N.shape[1] == 0:
-            return _yielded(engine, replace(start, q=q, v=rest, lam=t.lam, turn=None, joint=None))
+            return _yielded(
+                engine,
+                replace(start, q=q, v=rest, lam=t.lam, turn=np.array(engine.turn), joint=None),
+            )
         force = t.N.T @ t.M @ t.a
         squares, shapes = stiffness_modes(t)
         # modal forces c by least squares: under follower loads the shapes are not orthogonal
@@ -127,7 +130,10 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
         reach = max(max(*moves, bent) / (TRAVEL * model.size), max(turns) / TURN, 1e-300)
         body = model.bodies[int(np.argmax(np.array(moves) / model.size + np.array(turns)))].name
         if pull <= tolerance * largest or reach < 1e-13:
-            return _yielded(engine, replace(start, q=q, v=rest, lam=t.lam, turn=None, joint=None))
+            return _yielded(
+                engine,
+                replace(start, q=q, v=rest, lam=t.lam, turn=np.array(engine.turn), joint=None),
+            )
         before = float(force @ force)
         factor = min(1.0, bound / reach)
         engine.time[0] = time

@@ -63,6 +63,7 @@ def settle(model: Model, state: State | None) -> State:
             limit = limit or name_plastic_limit(flow.balance.engine, at.q)
             s *= HARDER
             continue
+        flow.balance.count_turns(at.q, at.lam, flow.time)
         s = max(s * (SOFTER if at.iterations <= QUICK else SOFT), flow.least)
         if length < NEAR:
             try:

@@ -328,12 +328,16 @@ class Balance:
         if state.states is not None:
             self.engine.states[:] = state.states
 
+    def count_turns(self, q: Array, lam: Array, value: float) -> None:
+        """Count the revolutions of angles at the end of a step, such as of motors behind gears."""
+        engine = self.at(q, lam, value)
+        if len(engine.turn):
+            engine.assemble(0)
+
     def accept(self, q: Array, lam: Array, value: float) -> tuple[State, Array]:
         """Return the state and its sensor values, with updated turns and plastic deformation."""
+        self.count_turns(q, lam, value)
         engine = self.at(q, lam, value)
-        if len(engine.turn):  # revolution counters, updated by assemble
-            engine.assemble(0)
-            engine = self.at(q, lam, value)
         velocities = np.array(engine.v)
         engine.yield_forces()
         engine.row()
