@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,9 +32,16 @@ INDEPENDENT = {
     "ANCF BS, Gauss 5 / 3": ((7.4e-2, 1.2e-2, 1.5e-3, 1.9e-6), 77, (4.6e-3, 6.7e-5, 1.7e-4), 120),
 }
 MESHES = (2, 4, 8, 16)
+USUAL = ("corotational", "ANCF GI, Lobatto 3 / Gauss 3")
+"""Default elements, which each run of the tests measures; the rest are long."""
 
 
-@pytest.mark.parametrize("name", INDEPENDENT)
+def usual_first(names: Iterable[str]) -> list[Any]:
+    """Return names as parameters, long ones marked."""
+    return [n if n in USUAL else pytest.param(n, marks=pytest.mark.slow) for n in names]
+
+
+@pytest.mark.parametrize("name", usual_first(INDEPENDENT))
 def test_errors_and_iterations_are_those_of_an_independent_program(name: str) -> None:
     element, _ = measured.ELEMENTS[name]
     tips, solves, rolls, roll_solves = INDEPENDENT[name]
@@ -50,7 +59,7 @@ def test_errors_and_iterations_are_those_of_an_independent_program(name: str) ->
         assert path.solves.sum() < 1.5 * roll_solves
 
 
-@pytest.mark.parametrize("name", measured.ELEMENTS)
+@pytest.mark.parametrize("name", usual_first(measured.ELEMENTS))
 def test_the_table_of_the_page_is_measured(name: str) -> None:
     """The first two meshes of each row, as the page prints them."""
     page = measured.PAGE.read_text(encoding="utf-8")

@@ -130,6 +130,7 @@ def test_spin_up_to_six_digits() -> None:
     assert abs((16 * fine - coarse) / 15 - SPIN).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_steady_stretch_of_a_turning_blade() -> None:
     """``tan(k L)/k - L``, k = w sqrt(m/EA): a closed form."""
     w = 6.0
@@ -233,6 +234,7 @@ def test_a_driven_run_goes_on_exactly() -> None:
 
 
 @pytest.mark.filterwarnings("ignore:.*leaves out:jousto.JoustoWarning")
+@pytest.mark.slow
 def test_one_boom_three_elements() -> None:
     """The paper's boom on a pivot beside its axis: one speed, to the order of each element."""
     rule = Convergence(relative=1e-10)

@@ -347,6 +347,41 @@ def test_small_vibrations_of_a_cantilever() -> None:
 
 
 @ignore_shear
+@pytest.mark.parametrize("scale", [1e3, 1e6])
+@pytest.mark.parametrize("element", ["exact", "corotational", "ancf"])
+def test_units_of_length_change_no_result(element: str, scale: float) -> None:
+    """One cantilever in m, in mm and in um: residuals of moments are forces times lengths."""
+    n = 8
+    found = []
+    for unit in (1.0, scale):
+        GA = 4.6e4 if element == "exact" else math.inf
+        section = PlanarSection(EA=1.2e5, GA=GA, EI=unit**2)
+        loads = [PlanarLoad(n, force=(0.0, 10.0))]
+        frame = chain(n, unit, section=section, loads=loads, element=element)
+        path = load_steps(frame, np.linspace(0.1, 1.0, 10))
+        found.append(path.displacements[-1] / (unit, unit, 1.0))
+    assert found[1] == pytest.approx(found[0], abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("axial", "bending", "loose"),
+    [("gauss 3", "gauss 1", 1), ("gauss 2", "gauss 1", 2), ("gauss 1", "gauss 1", 3)],
+)
+def test_motions_without_energy_are_counted(axial: str, bending: str, loose: int) -> None:
+    """A free beam has 8 unknowns, 3 rigid motions, and a strain for each point up to 3 + 2."""
+    with pytest.warns(jo.JoustoWarning, match=f"leaves {loose} motions? of a free beam"):
+        frame = chain(1, section=SLENDER, element=AncfElement(axial=axial, bending=bending))
+    assert frame.system.groups[0].free_motions() == loose
+
+
+def test_an_unknown_element_is_told_once() -> None:
+    for wrong in ("corot", PlanarElement(), AncfElement, None):
+        with pytest.raises(jo.InputError) as error:
+            chain(2, section=SLENDER, element=wrong)
+        assert len(error.value.problems) == 1, str(error.value)
+        assert "element is" in str(error.value)
+
+
 def test_options_and_elements_are_checked() -> None:
     with pytest.raises(jo.InputError, match="element is 'acnf', must be .*did you mean 'ancf'"):
         chain(2, element="acnf")

@@ -227,12 +227,19 @@ class ElementGroup:
         """Return the number of motions of a free beam without energy, besides rigid ones.
 
         The rank of the strains by the displacements, for the first beam, straight and unloaded.
+        Displacements without an effect on z, such as rotations beside slopes, do not count.
         """
         none = np.zeros((len(self.T), self.T.shape[1], 4))
         rows = self.law.strains(none)[1][0] @ self.T[0]
-        rows = rows[self.D[0] > 0.0]
+        used = np.abs(self.T[0]).max(axis=(0, 1)) > 0.0
+        rows = rows[self.D[0] > 0.0][:, used]
         # columns by their size, then rows, so that units have no effect
-        used = np.abs(rows).max(axis=0) > 0.0
-        rows = rows[:, used] / np.linalg.norm(rows[:, used], axis=0)
-        rows = rows / np.linalg.norm(rows, axis=1)[:, None]
+        rows = rows / _sizes(rows, 0)
+        rows = rows / _sizes(rows, 1)
         return int(used.sum() - np.linalg.matrix_rank(rows, tol=1e-9) - 3)
+
+
+def _sizes(rows: Array, axis: int) -> Array:
+    """Return the norms along an axis, 1 instead of zero."""
+    size = np.linalg.norm(rows, axis=axis, keepdims=True)
+    return np.asarray(np.where(size > 0.0, size, 1.0))

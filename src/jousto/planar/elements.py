@@ -14,9 +14,9 @@ ELEMENTS: dict[str, PlanarElement] = {
 """Each element with its default options, by its word."""
 
 
-def find_element(problems: Problems, where: str, value: object) -> PlanarElement:
+def find_element(problems: Problems, where: str, value: object) -> PlanarElement | None:
     """Return the element of a word or an element itself, or report what the value is."""
-    if isinstance(value, PlanarElement):
+    if isinstance(value, PlanarElement) and type(value) is not PlanarElement:
         return value
     if isinstance(value, str) and value in ELEMENTS:
         return ELEMENTS[value]
@@ -24,4 +24,4 @@ def find_element(problems: Problems, where: str, value: object) -> PlanarElement
     known = ", ".join(f"'{word}'" for word in ELEMENTS)
     text = f"element is {value!r}, must be {known} or a PlanarElement, as AncfElement(){hint}"
     problems.add(where, text)
-    return ELEMENTS["exact"]
+    return None

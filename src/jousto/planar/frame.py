@@ -155,8 +155,10 @@ class PlanarFrame:
         for i, beam in enumerate(self.beams):
             where = self.beam_name(i)
             own = beam.element
-            found.append(usual if own is None else find_element(problems, where, own))
-            found[-1].check(problems, where, beam.section)
+            kind = usual if own is None else find_element(problems, where, own)
+            if kind is not None:
+                found.append(kind)
+                kind.check(problems, where, beam.section)
         signal: object = self.gravity_signal
         if signal is not None and not callable(signal):
             text = f"gravity_signal is {signal!r}, must be a function of the time in s"

@@ -252,6 +252,8 @@ class System:
         size = max(1e-300, float(u[0::3].max()), float(u[1::3].max()))
         stiff = np.where(np.isfinite(self.D[:, :2]), self.D[:, :2], 0.0).max(axis=1)
         forces = stiff * (1.0 + size / self.length)
+        # rows of rotations and stretches have these forces times the length
+        forces = forces * np.hypot(1.0, self.length)
         return 4.0 * float(np.finfo(float).eps) * float(np.linalg.norm(forces))
 
     def energies(self, p: Point) -> tuple[float, float]:

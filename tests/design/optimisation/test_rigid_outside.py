@@ -86,9 +86,12 @@ def test_each_mass_of_the_chain_vibrates_alone(beyond):
 def test_a_rigid_machine_outside_changes_nothing_for_one_part():
     near = (1.4, 1.2)
     found = optimise(chain(None, near), order=0, tolerance=1e-9, machine="rigid")
+    same = optimise(chain(None, near), order=0, tolerance=1e-9)
     assert found.converged
-    assert found.cost == pytest.approx(2.648480989, rel=1e-8)
-    assert found.ratio == pytest.approx(1.0, abs=1e-8)
+    assert found.cost == pytest.approx(same.cost, rel=1e-12)
+    # order 0 ends where SLSQP sees no descent, from several starts up to 7e-8 beside this value
+    assert found.cost == pytest.approx(2.648480989, rel=1e-7)
+    assert found.ratio == pytest.approx(1.0, abs=1e-7)
     first = optimise(chain(None, near), tolerance=1e-8, trust=0.02, machine="rigid")
     assert first.cost == pytest.approx(2.579643884, rel=1e-8)
     assert list(first.values.values()) == pytest.approx([1.24085588, 1.33878800], rel=1e-7)
