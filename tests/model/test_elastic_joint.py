@@ -460,3 +460,23 @@ def test_wrong_laws_are_named() -> None:
         HarmonicDrive(stiffness=(1e4, 1e4, 1e4), torques=(48, 14))
     with pytest.raises(jo.InputError, match="must be positive"):
         HarmonicDrive(stiffness=(1e4, -1e4), torques=(48,))
+
+
+def test_the_derivative_by_the_ratio_contains_that_of_the_friction() -> None:
+    """Speed of full friction: 0.01 rad/s of the joint, ``ratio`` times as much at the motor."""
+
+    def machine(ratio: float) -> jo.Mechanism:
+        body, joint, _ = link()
+        motor = ElasticJoint("shoulder", joint.angle, ratio, 3.5e-3, 900.0, friction=0.02)
+        torque = jo.JointForce("torque", motor.motor, jo.Harmonic(frequency=3.0, amplitude=0.1))
+        return jo.Mechanism(body, joint, motor, torque, jo.CoordinateSensor("q", joint.angle))
+
+    def q(ratio: float) -> float:
+        return end(jo.compile(machine(ratio)), 0.1, solver=jo.RK4(1e-3))
+
+    ratio = [jo.Parameter("ratio", -60.0)]
+    study = jo.study(machine, ratio, {"q": "last(q)"}, t_end=0.1, solver=jo.RK4(1e-3))
+    found = jo.design.gradient(study)
+    assert "1 of 1 derivatives by complex steps" in str(found)
+    slope = (q(-60.01) - q(-59.99)) / -0.02
+    np.testing.assert_allclose(found["q", "ratio"], slope, rtol=1e-6)

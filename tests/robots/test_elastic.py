@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -85,7 +86,7 @@ def test_drives_and_efforts_are_those_of_the_joint(robot: jo.robots.Robot) -> No
     [
         ({"elbw": GEARS["elbow"]}, "elastic\\['elbw'\\]: no such joint; did you mean 'elbow'"),
         ({"elbow": 8e3}, "must be a mapping of arguments of ElasticJoint"),
-        ({"elbow": {**GEARS["elbow"], "name": "x"}}, "name follow from the joint; leave out"),
+        ({"elbow": {**GEARS["elbow"], "name": "x"}}, "name is that of the joint; leave it out"),
         ({"elbow": {"ratio": 50, "stiffness": 1.0}}, "missing 1 argument: 'rotor_inertia'"),
         ({"elbow": {**GEARS["elbow"], "ratio": 0}}, "ratio is 0, must not be zero"),
     ],
@@ -93,3 +94,10 @@ def test_drives_and_efforts_are_those_of_the_joint(robot: jo.robots.Robot) -> No
 def test_what_is_wrong_is_named(robot: jo.robots.Robot, elastic: Any, message: str) -> None:
     with pytest.raises(jo.InputError, match=message):
         jo.robots.mechanism(robot, elastic=elastic)
+
+
+def test_a_wrong_ratio_beside_the_rotor_of_a_file_is_named(robot: jo.robots.Robot) -> None:
+    joints = tuple(replace(x, armature=0.1) for x in robot.joints)
+    elastic = {"elbow": {"ratio": "fast", "rotor_inertia": 1e-4, "stiffness": 1.0}}
+    with pytest.raises(jo.InputError, match="ratio is 'fast', must be a number"):
+        jo.robots.mechanism(replace(robot, joints=joints), elastic=elastic)

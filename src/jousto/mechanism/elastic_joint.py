@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Array, read_only
+from jousto.base.complexstep import magnitude
 from jousto.base.errors import Problems
 from jousto.base.fields import Choice, Field, Flag, Name, field, kept
 from jousto.base.numbers import Number, OptionalNumber
@@ -210,7 +211,8 @@ class ElasticJoint(Assembly, section="elastic_joints"):
         f = self.friction
         if f == 0.0 and self.viscous == 0.0:
             return ()
-        slow = max(SLOW[self.coordinate.unit] * abs(self.ratio), f * SOON / self.rotor_inertia)
+        speeds = SLOW[self.coordinate.unit] * magnitude(self.ratio), f * SOON / self.rotor_inertia
+        slow = max(speeds, key=np.real)  # complex in a derivative
         table = Table((-slow, slow), (f, -f)) if f else None
         name = f"{self.name} losses"
         return (Spring(name, motor, damping=self.viscous, damper_table=table),)

@@ -23,8 +23,9 @@ def check_elastic(problems: Problems, robot: Robot, given: Mapping[str, Any]) ->
         where = f"elastic[{name!r}]"
         if not isinstance(options, Mapping):
             problems.add(where, f"is {options!r}, must be a mapping of arguments of ElasticJoint")
-        elif fixed := {"name", "coordinate"} & set(options):
-            problems.add(where, f"{' and '.join(sorted(fixed))} follow from the joint; leave out")
+        for key in ("name", "coordinate"):
+            if isinstance(options, Mapping) and key in options:
+                problems.add(where, f"{key} is that of the joint; leave it out", key)
         if name in joints and joints[name].mimic is not None:
             problems.add(where, "follows another joint, which has the motor")
 
@@ -39,8 +40,9 @@ def split_armature(robot: Robot, given: Mapping[str, Any]) -> tuple[Robot, dict[
     found: dict[str, Any] = {}
     for name, options in given.items():
         found[name] = dict(options)
-        if name in inertias and options.get("ratio"):
-            found[name].setdefault("rotor_inertia", inertias[name] / options["ratio"] ** 2)
+        ratio = options.get("ratio")
+        if name in inertias and isinstance(ratio, int | float) and ratio:
+            found[name].setdefault("rotor_inertia", inertias[name] / ratio**2)
     return replace(robot, joints=tuple(joints)), found
 
 
