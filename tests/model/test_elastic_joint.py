@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, Literal
 
 import numpy as np
@@ -480,3 +481,27 @@ def test_the_derivative_by_the_ratio_contains_that_of_the_friction() -> None:
     assert "1 of 1 derivatives by complex steps" in str(found)
     slope = (q(-60.01) - q(-59.99)) / -0.02
     np.testing.assert_allclose(found["q", "ratio"], slope, rtol=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore:.*energy balance")
+@pytest.mark.parametrize(
+    "core, solver, warned",
+    [
+        ("maximal", jo.RK4(1e-3), True),
+        ("joint", jo.GeneralizedAlpha(1e-3), True),
+        ("joint", jo.RK4(1e-3), False),
+        ("maximal", jo.RK4(2e-4), False),
+    ],
+)
+def test_motors_whose_turns_are_not_counted_are_named(core: str, solver: Any, warned: bool) -> None:
+    """A gear of 1e4: at 0.5 rad/s of the joint the motor turns by 5 rad in a step of 1 ms."""
+    body, joint, _ = link()
+    motor = ElasticJoint("shoulder", joint.angle, 1e4, 3.5e-9, 900.0)
+    rate = jo.Initial(joint.angle, rate=0.5)
+    model = jo.compile(jo.Mechanism(body, joint, motor, rate), core=core)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        jo.simulate(model, 0.02, solver=solver)
+    named = [str(x.message) for x in caught if "'shoulder gear' turns by up" in str(x.message)]
+    assert len(named) == warned
+    assert all("rad in a step" in x and "take steps below 0.000" in x for x in named)

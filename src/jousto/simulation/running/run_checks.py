@@ -1,4 +1,4 @@
-"""RunWatch: checks of a run: energy balance, gaps of joints, spin and bending of bodies."""
+"""RunWatch: checks of a run: energy balance, gaps of joints, spin and bending of bodies, motors."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from jousto.model.model import Model
 from jousto.model.native.header import places
 from jousto.model.rank.redundancy import disagreement
 from jousto.simulation.check_bending import bends
+from jousto.simulation.check_motors import MotorTurns
 from jousto.simulation.check_spin import spins
 from jousto.simulation.results.diagnostics import FAIR, STEADY
 
@@ -29,7 +30,9 @@ class Contradiction(Exception):
 class RunWatch:
     """Largest error of the energy balance and largest gap of the joints of a run so far."""
 
-    def __init__(self, model: Model, *, projected: bool) -> None:
+    def __init__(
+        self, model: Model, *, projected: bool, motors: tuple[MotorTurns, ...] = ()
+    ) -> None:
         self._model = model
         self._projected = projected
         first, at = 1 + model.nq + model.nv + model.nrow, places("jo_diagnostics")
@@ -46,6 +49,8 @@ class RunWatch:
         self._turning = [0.0] * len(self._spins)
         self._bends = bends(model)
         self._bent = [0.0] * len(self._bends)
+        self._motors = motors
+        self._fast = [0.0] * len(motors)
 
     def see(self, rows: NDArray[np.float64]) -> None:
         """Update the largest errors with rows (k, row_size) of the engine."""
@@ -63,6 +68,8 @@ class RunWatch:
             self._turning[k] = max(self._turning[k], spin.squared(rows))
         for k, bend in enumerate(self._bends):
             self._bent[k] = max(self._bent[k], bend.furthest(rows))
+        for k, motor in enumerate(self._motors):
+            self._fast[k] = max(self._fast[k], motor.fastest(rows))
         gaps = rows[:, self._gaps]
         if gaps.max() > self._gap:
             self._gap, self._open = float(gaps.max()), rows[int(np.argmax(gaps))].copy()
@@ -103,6 +110,9 @@ class RunWatch:
                 warn(where, sentence)
         for bend, turn in zip(self._bends, self._bent, strict=True):
             if sentence := bend.sentence(turn):
+                warn(where, sentence)
+        for motor, speed in zip(self._motors, self._fast, strict=True):
+            if sentence := motor.sentence(speed):
                 warn(where, sentence)
         low, high = self._extremes()
         exchanged = sum(high[name] - low[name] for name in places("jo_energies"))

@@ -21,6 +21,7 @@ from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import is_drive, repeated_rows
 from jousto.model.scales import largest_speed
+from jousto.simulation.check_motors import motor_turns
 from jousto.simulation.cosimulation.coupling import Coupling
 from jousto.simulation.cosimulation.fmu_process import FmuFailed
 from jousto.simulation.cosimulation.requirements import check_coupling, check_trust
@@ -262,7 +263,9 @@ def _run(
     feed: Feed,
 ) -> Solution:
     """Return the results of a run; complete and close the results file, after errors too."""
-    watch = RunWatch(engine.model, projected=solver.projection)
+    step = 0.0 if solver.adaptive else float(solver.step)
+    motors = motor_turns(engine.model, step, joint_coordinates=solver.joint_coordinates)
+    watch = RunWatch(engine.model, projected=solver.projection, motors=motors)
     chronicle = Chronicle(engine)
 
     def record(rows: NDArray[np.float64]) -> None:
