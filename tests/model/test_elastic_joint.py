@@ -454,6 +454,12 @@ def test_lengths_have_no_harmonic_drive_and_no_distance_a_motor() -> None:
         GearSpring("gear", angle, slide.displacement, 1.0, 1.0)
 
 
+def test_laws_are_compared_and_hashed() -> None:
+    other = HarmonicDrive(stiffness=(1e4, 1.4e4, 1.7e4), torques=(14, 48))
+    assert DRIVE in (other, DRIVE)
+    assert {DRIVE: 1}[DRIVE] == 1
+
+
 def test_wrong_laws_are_named() -> None:
     with pytest.raises(jo.InputError, match="2 values of stiffness but 2 torques"):
         HarmonicDrive(stiffness=(1e4, 1e4), torques=(14, 48))

@@ -10,6 +10,7 @@ from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import Nested, field
 from jousto.base.numbers import Number, OptionalNumber, Values
+from jousto.base.object_repr import described
 from jousto.mechanism.forces.base import ForceElement, Push
 from jousto.mechanism.forces.law import EngineLaw
 from jousto.mechanism.joints.coordinate import (
@@ -33,7 +34,7 @@ EngineLaw(
 ).declared()
 
 
-class GearLaw(Declared, section="gear_laws", by_value=True):
+class GearLaw(Declared, section="gear_laws"):
     """Base of the laws of the torque of a gear over its wind-up."""
 
     @property
@@ -47,6 +48,7 @@ class GearLaw(Declared, section="gear_laws", by_value=True):
         raise NotImplementedError
 
 
+@described
 class HarmonicDrive(GearLaw, tag="harmonic-drive"):
     """Piecewise linear stiffness of a strain wave gear: K1 up to T1, K2 up to T2, then K3.
 
