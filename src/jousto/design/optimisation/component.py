@@ -212,7 +212,8 @@ def mass_ratio(held: Component, free: Component, F: Array) -> float:
     """Return ``m / (M + m0)``: the mass of held modes over that in the free machine, less 1.
 
     The largest ratio of the modes that have a twentieth of the strain energy under the loads. The
-    mass of a shape p in the machine is ``p^T (S S^T)^-1 p`` with the shapes S of its modes.
+    mass of a shape p is ``p^T (S S^T)^-1 p`` with the shapes S of the modes. Of a shape that the
+    machine does not admit, since a closed loop holds the part, the admitted part counts.
 
     Parameters
     ----------
@@ -226,8 +227,18 @@ def mass_ratio(held: Component, free: Component, F: Array) -> float:
     energy = ((F @ held.shapes) ** 2 / held.w2).max(axis=0)
     bent = energy >= SHARE * energy.sum()
     p, S = held.shapes[6:, bent], free.shapes[6:]
-    mass = np.einsum("ij,ij->j", p, np.linalg.pinv(S @ S.T, rcond=RANK, hermitian=True) @ p)
-    return float(np.max(1.0 / mass - 1.0, initial=0.0)) if energy.any() else 0.0
+    p = S @ np.linalg.lstsq(S, p, rcond=RANK)[0]
+    alone, carried = shape_masses(held, p), shape_masses(free, p)
+    admitted = carried > RANK
+    ratio = alone[admitted] / carried[admitted] - 1.0
+    return float(np.max(ratio, initial=0.0)) if energy.any() else 0.0
+
+
+def shape_masses(one: Component, p: Array) -> Array:
+    """Return the mass (k,) of modal shapes (n, k) in the modes of a part."""
+    S = one.shapes[6:]
+    inverse = np.linalg.pinv(S @ S.T, rcond=RANK, hermitian=True)
+    return np.asarray(np.einsum("ij,ij->j", p, inverse @ p))
 
 
 def response(one: Component, time: Array, F: Array, start: Array, rate: Array) -> Array:

@@ -72,6 +72,10 @@ class Decoupled(Problem):
         """Return ``m / (M + m0)`` of each part: its moving mass over the mass that carries it."""
         return {}
 
+    def springs(self, x: Array) -> dict[str, float]:
+        """Return the stiffness of forces on each part over its own, which has no effect alone."""
+        return {}
+
     def other(self) -> Decoupled | None:
         """Return this problem with the parts held the other way, under the same loads."""
         return None

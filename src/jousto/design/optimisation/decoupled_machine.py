@@ -22,6 +22,7 @@ from jousto.design.optimisation import loads as esl
 from jousto.design.optimisation.component import Component, component, mass_ratio, response
 from jousto.design.optimisation.decoupled import Decoupled
 from jousto.design.optimisation.elastic import Motion
+from jousto.design.optimisation.force_stiffness import stiffness_ratio
 from jousto.design.optimisation.frozen_run import (
     FrozenRun,
     PartLoads,
@@ -255,6 +256,20 @@ class DecoupledMachine(Decoupled):
                     for how in ("machine", "motion")
                 )
                 found[name] = max(found[name], mass_ratio(held, free, loads.total))
+        return found
+
+    def springs(self, x: Array) -> dict[str, float]:
+        """Return the stiffness of forces on each part over its own, largest of all load cases."""
+        found = dict.fromkeys(self.true.parts(x), 0.0)
+        held, beyond = self.options.held, self.options.beyond
+        for case, one in self.compiled(x).items():
+            names = [body.name for body in one.model.bodies]
+            q = flexible_state(one.model, self._at(x, case), 0)[0]
+            for name, loads in zip(found, self._loads(x, case), strict=True):
+                k = names.index(name)
+                modes = component(one.model, k, q, held, beyond)
+                ratio = stiffness_ratio(one.model, k, q, modes, loads.total)
+                found[name] = max(found[name], ratio)
         return found
 
     def other(self) -> DecoupledMachine:

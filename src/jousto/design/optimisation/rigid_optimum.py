@@ -10,7 +10,8 @@ from jousto.base.object_repr import described
 from jousto.design.optimisation.optimum import ACTIVE, Optimum
 
 CARRIED = 0.1
-"""Moving mass of a part over the mass that carries it, above which both ways of holding count."""
+"""Moving mass of a part over the mass that carries it, above which both ways of holding count;
+stiffness of forces on a part over its own, above which it is printed."""
 
 
 @described
@@ -103,6 +104,9 @@ class RigidOptimum(Optimum):
     carried : dict of float
         ``m / (M + m0)`` of each part: its moving mass over the mass that carries it. Above 0.1 the
         peaks of both ways of holding the part are given.
+    springs : dict of float
+        Stiffness of springs and other forces on each part over its own stiffness: the part alone
+        vibrates without it.
     held : str
         "motion" or "force".
     beyond : bool
@@ -115,6 +119,7 @@ class RigidOptimum(Optimum):
     rigid_runs: int = 0
     flexible_runs: int = 0
     carried: Mapping[str, float] = field(default_factory=dict)
+    springs: Mapping[str, float] = field(default_factory=dict)
     held: str = "motion"
     beyond: bool = False
 
@@ -160,5 +165,11 @@ class RigidOptimum(Optimum):
                 lines.append(
                     f"  part {name}: its moving mass is {ratio:.3g} of the mass that carries it, "
                     "above 0.1: look at the peaks of both ways of holding it"
+                )
+        for name, ratio in self.springs.items():
+            if ratio > CARRIED:
+                lines.append(
+                    f"  part {name}: springs and other forces on it have {ratio:.3g} of its "
+                    "stiffness, above 0.1: it vibrates alone without them, which only load it"
                 )
         return "\n".join(lines)

@@ -128,6 +128,7 @@ def compared(
         rigid_runs=one.rigid_runs,
         flexible_runs=flexible,
         carried=carried,
+        springs=one.springs(x),
         held=one.options.held,
         beyond=one.options.beyond,
     )
