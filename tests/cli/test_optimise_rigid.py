@@ -61,6 +61,11 @@ def test_an_unsafe_design_ends_with_code_1(tmp_path: Path) -> None:
     [
         (("--machine", "ridgid"), "--machine: is 'ridgid'; did you mean 'rigid'?"),
         (("--machine", "flexible", "--beyond"), "--beyond: has no effect without --machine rigid"),
+        (
+            ("--machine", "flexible", "--held", "force", "--beyond"),
+            "--held: has no effect without --machine rigid "
+            "--beyond: has no effect without --machine rigid",
+        ),
         (("--held", "both"), "--held: is 'both'"),
         (("--reliable", "--machine", "rigid"), "--machine: is for designs without scatter"),
     ],

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from jousto.design.studies.outcomes.requirement import Requirement
 
 WITHOUT = "is for designs without scatter; leave it out with --reliable"
+NO_EFFECT = "has no effect without --machine rigid"
 METHODS = {"esl1": ("esl", 1), "esl0": ("esl", 0), "direct": ("direct", 1)}
 
 
@@ -140,7 +141,7 @@ def _check_machine(reliable: bool, machine: str | None, given: dict[str, Any]) -
     if reliable and (machine == "rigid" or named):
         raise InputError(Problem(named[0] if named else "--machine", WITHOUT))
     if machine == "flexible" and named:
-        raise InputError(Problem(named[0], "has no effect without --machine rigid"))
+        raise InputError([Problem(one, NO_EFFECT) for one in named])
 
 
 def _machine(file: Any, machine: str | None, given: dict[str, Any]) -> Any:
@@ -157,8 +158,8 @@ def _machine(file: Any, machine: str | None, given: dict[str, Any]) -> Any:
     of_file = None if file.optimisation is None else file.optimisation.rigid
     if machine == "flexible" or (machine is None and of_file is None):
         if options:
-            key = next(iter(options)).replace("_", "-")
-            raise InputError(Problem(f"--{key}", "has no effect without --machine rigid"))
+            names = [f"--{key.replace('_', '-')}" for key in options]
+            raise InputError([Problem(one, NO_EFFECT) for one in names])
         return "flexible"
     return replace(RigidMachine() if of_file is None else of_file, **options)
 
