@@ -360,3 +360,14 @@ def test_seen_from_another_frame_it_stiffens() -> None:
     rod = jo.reduce(part, ShapeFunctions(Polynomials(5)), stiffening=True)
     held = in_frame(rod, NodeFrame("start"))
     assert rod.stiffening is not None and held.stiffening is not None
+
+
+def test_functions_that_can_turn_the_whole_body_are_named() -> None:
+    """From a node frame, many polynomials span nearly all rigid motions of a bent beam."""
+    part = jo.Part.beam(1.0, SECTION, 20, STEEL)
+    red = jo.reduce(part, ShapeFunctions(Polynomials(10), frame=NodeFrame("start")))
+    body = jo.FlexibleBody("beam", red)
+    root = jo.Fixed("root", jo.ground["origin"], body["start"])
+    model = jo.compile(jo.Mechanism(body, root, jo.Gravity((0, 0, -9.81))))
+    with pytest.raises(jo.InputError, match="body 'beam': its mass matrix is singular: its modes"):
+        jo.simulation.load_path(model, "gravity", to=1.0, steps=1)

@@ -32,6 +32,13 @@ def failure(model: Model, status: str, index: int, cause: BaseException | None =
         index = 0
     if status == "not finite":
         return Problem("", f"body '{model.bodies[index].name}' is no longer finite")
+    if status == "singular body" and model.bodies[index].n:
+        return Problem(
+            f"body '{model.bodies[index].name}'",
+            "its mass matrix is singular: its modes together can almost turn or shift the whole "
+            "body against its frame; take fewer modes or shape functions, or another frame "
+            "(frame=MeanFrame()), or give the part rotary inertia if all its mass is on one line",
+        )
     if status == "singular body":
         return Problem(
             f"body '{model.bodies[index].name}'",
