@@ -45,12 +45,12 @@ def swinging_arm() -> jo.Mechanism:
     low = jo.mechanism.Event("low", tip, component="z", threshold=-0.2)
     gravity = jo.Gravity((0, 0, -9.81))
     loads = [
-        jo.mechanism.BodyLoadSensor(kind, arm, kind, modal=kind == "inertia")
-        for kind in ("joint", "applied", "friction", "inertia", "damping")
+        jo.mechanism.BodyLoadSensor(kind, arm, kind)
+        for kind in ("joint", "applied", "friction", "damping")
     ]
     return jo.Mechanism(
         *(arm, ball, pin, hold, drive, spring, rub, steady, tip, stress, life, low, gravity),
-        *loads,
+        *(*loads, jo.mechanism.ModalLoadSensor("inertia", arm, "inertia")),
     )
 
 

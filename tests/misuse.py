@@ -165,6 +165,7 @@ def _machines(made: Made, folder: Path) -> list[Call]:
         (jo.mechanism.ModalSensor, {"name": "s", "body": arm}),
         (jo.mechanism.DeformationMomentumSensor, {"name": "s", "body": arm}),
         (jo.mechanism.BodyLoadSensor, {"name": "s", "body": arm, "load": "joint"}),
+        (jo.mechanism.ModalLoadSensor, {"name": "s", "body": arm, "load": "joint"}),
         *((kind, {"name": "s", "body": arm}) for kind in sites),
         (jo.mechanism.SectionSensor, {"name": "s", "beam": arch}),
         (

@@ -9,7 +9,7 @@ import pytest
 
 import jousto as jo
 from jousto.base.errors import InputError
-from jousto.mechanism import BodyLoadSensor
+from jousto.mechanism import BodyLoadSensor, ModalLoadSensor
 from jousto.mechanism.sensors.body_load import LOADS
 from jousto.recovery.loads.own_loads import CORIOLIS, INERTIA, SPIN
 
@@ -21,13 +21,15 @@ EXACT = jo.simulation.DormandPrince(tolerance=1e-12)
 pytestmark = pytest.mark.filterwarnings("ignore:.*(moves freely|the first is kept|nothing will)")
 
 
-def sensors(*bodies: Any) -> list[BodyLoadSensor]:
+def sensors(*bodies: Any) -> list[Any]:
     """Return a sensor of every kind of load on each body, "rod inertia", and on its modes."""
-    found = [BodyLoadSensor(f"{body.name} {kind}", body, kind) for body in bodies for kind in LOADS]
+    found: list[Any] = [
+        BodyLoadSensor(f"{body.name} {kind}", body, kind) for body in bodies for kind in LOADS
+    ]
     for body in bodies:
         if isinstance(body, jo.FlexibleBody):
             for kind in LOADS:
-                found.append(BodyLoadSensor(f"{body.name} {kind} modal", body, kind, modal=True))
+                found.append(ModalLoadSensor(f"{body.name} {kind} modal", body, kind))
     return found
 
 
@@ -185,7 +187,7 @@ def test_sticking_friction_is_friction_and_no_joint() -> None:
 
 def test_what_a_body_does_not_have_is_refused() -> None:
     ball = jo.RigidBody("ball", 1.0, (1, 1, 1))
-    with pytest.raises(InputError, match="'ball' is rigid and has no modes; leave modal out"):
-        BodyLoadSensor("s", ball, "inertia", modal=True)
+    with pytest.raises(InputError, match="must be a flexible body"):
+        ModalLoadSensor("s", ball, "inertia")
     with pytest.raises(InputError, match="must be 'joint', 'applied', .* or 'damping'"):
         BodyLoadSensor("s", ball, "inertial")

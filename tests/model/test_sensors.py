@@ -67,8 +67,8 @@ def moving(reduced):
     sensors += [make(f"{key} seen", tip, relative_to=seat) for key, make in pairs]
     sensors += [make(f"{key} own", tip, relative_to=seat, resolved_in=tip) for key, make in pairs]
     sensors += [
-        jo.mechanism.BodyLoadSensor(f"{kind} {body.name}", body, kind, modal=body is hand)
-        for body in (arm, hand)
+        made(f"{kind} {body.name}", body, kind)
+        for body, made in ((arm, jo.mechanism.BodyLoadSensor), (hand, jo.mechanism.ModalLoadSensor))
         for kind in ("joint", "gravity", "inertia", "elastic", "damping")
     ]
     origin = jo.ground["origin"]

@@ -116,6 +116,7 @@ def everything() -> jo.Mechanism:
         jo.mechanism.ModalSensor("modal", arm),
         jo.mechanism.DeformationMomentumSensor("momentum", arm),
         jo.mechanism.BodyLoadSensor("loads", arm, "applied"),
+        jo.mechanism.ModalLoadSensor("modal loads", arm, "inertia"),
         jo.ReactionSensor("reaction", hinge),
         jo.ReactionSensor("drive torque", axle),
         jo.ForceSensor("felt", spring),

@@ -22,7 +22,7 @@ from jousto.mechanism.sensors.body import (
     StressSensor,
     VonMisesSensor,
 )
-from jousto.mechanism.sensors.body_load import BodyLoadSensor
+from jousto.mechanism.sensors.body_load import BodyLoadSensor, ModalLoadSensor
 from jousto.mechanism.sensors.bridge import Bridge
 from jousto.mechanism.sensors.damage import DamageSensor
 from jousto.mechanism.sensors.force_state import ForceStateSensor
@@ -107,7 +107,7 @@ sensors:
   - {type: acceleration-parts, name: s26, marker: arm.end, relative_to: slider.origin}
   - {type: deformation-momentum, name: s27, body: arm}
   - {type: body-load, name: s28, body: slider, load: joint}
-  - {type: body-load, name: s29, body: arm, load: inertia, modal: true}
+  - {type: modal-load, name: s29, body: arm, load: inertia}
 """
 
 
@@ -162,7 +162,7 @@ def test_sensors_equal_the_python_constructors():
         AccelerationPartsSensor("s26", end, relative_to=seat),
         DeformationMomentumSensor("s27", arm),
         BodyLoadSensor("s28", slider, "joint"),
-        BodyLoadSensor("s29", arm, "inertia", modal=True),
+        ModalLoadSensor("s29", arm, "inertia"),
     )
     same(model.sensors, expected)
     # those of beams: test_beams.py, of states: test_plastic_spring.py

@@ -19,7 +19,10 @@ from .sensors.body import (
     ModalSensor as ModalSensor,
     PrincipalStressSensor as PrincipalStressSensor,
 )
-from .sensors.body_load import BodyLoadSensor as BodyLoadSensor
+from .sensors.body_load import (
+    BodyLoadSensor as BodyLoadSensor,
+    ModalLoadSensor as ModalLoadSensor,
+)
 from .sensors.damage import DamageSensor as DamageSensor
 from .sensors.force_state import ForceStateSensor as ForceStateSensor
 from .sensors.motion import (

@@ -183,6 +183,10 @@ def _attached(value: Any, memo: dict[int, Any]) -> Any:
         return kind({key: _attached(one, memo) for key, one in value.items()})
     if isinstance(value, type) or not (isinstance(value, Declared) or is_dataclass(value)):
         return value
+    if isinstance(value, Sensor) and value.flexible:  # it may store rows of the modes of its body
+        fields = {key: _attached(getattr(value, key), memo) for key in value.fields}
+        memo[id(value)] = sensor = type(value)(**fields)
+        return sensor
     memo[id(value)] = made = copy.copy(value)  # before its fields, which may refer to it
     for key, one in vars(value).items():
         vars(made)[key] = _attached(one, memo)
