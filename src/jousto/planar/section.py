@@ -85,6 +85,8 @@ class PlanarSection(Declared, by_value=True):
     @property
     def slender(self) -> PlanarSection:
         """The section without shear deformation and rotary inertia."""
+        if math.isinf(self.GA) and not self.rotary:
+            return self
         return PlanarSection(EA=self.EA, GA=math.inf, EI=self.EI, mass=self.mass)
 
     @property
