@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.fields import Choice, field
+from jousto.base.object_repr import described
 from jousto.planar.element import Beams, Motion, PlanarElement, PlanarLaw
 from jousto.planar.elimination import PlanarCoupling
 from jousto.planar.section import PlanarSection
@@ -47,6 +48,7 @@ def rule(word: str) -> tuple[Array, Array]:
     return 0.5 * (x + 1.0), 0.5 * w
 
 
+@described
 class AncfLaw:
     """Strains eps and k of the points.
 

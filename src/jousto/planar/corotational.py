@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.fields import Choice, Flag, field
+from jousto.base.object_repr import described
 from jousto.planar.chord_coupling import ChordCoupling, turned
 from jousto.planar.element import Beams, Motion, PlanarElement, PlanarLaw
 from jousto.planar.elimination import PlanarCoupling
@@ -29,6 +30,7 @@ from jousto.planar.section import PlanarSection
 Array = NDArray[Any]
 
 
+@described
 class CorotationalLaw:
     """Strains eps, a, b of an element; z is the change of the chord (m) and both rotations.
 

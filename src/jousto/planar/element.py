@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
+from jousto.base.object_repr import described
 from jousto.planar.elimination import PlanarCoupling
 from jousto.planar.section import PlanarSection
 
@@ -146,6 +147,7 @@ class GroupState(NamedTuple):
     rows: Array
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class ElementGroup:
     """All beams of a frame that have the same element.

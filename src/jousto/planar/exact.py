@@ -21,12 +21,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.errors import Problems
+from jousto.base.object_repr import described
 from jousto.planar.element import Beams, PlanarElement, PlanarLaw
 from jousto.planar.section import PlanarSection
 
 Array = NDArray[Any]
 
 
+@described
 class ExactLaw:
     """Strains of Reissner's beam, one point for each beam.
 

@@ -88,6 +88,7 @@ class ReadingAdvice:
         return bool(self.measured.difference * (1.0 - tolerance) <= self.estimate + floor)
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class ModesAdvice:
     """Modes of a body by their energy in the run, and what is lost without the smallest.
