@@ -197,6 +197,8 @@ def _advice(
             "highest": expected.highest / (2.0 * np.pi),
             "ratio": expected.ratio,
             "bound": expected.bound,
+            "amplification": expected.amplification,
+            "slower": expected.slower,
             "impact": expected.impact,
             "deflection": _deflection(flexible, expected),
         }

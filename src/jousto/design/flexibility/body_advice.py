@@ -10,6 +10,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.object_repr import described
 from jousto.base.units import shown_unit
+from jousto.design.flexibility.expected import RESONANT, RETUNED
 from jousto.design.flexibility.reading_loss import ReadingLoss
 
 FLEXIBLE, RIGID = "flexible", "rigid"
@@ -30,7 +31,8 @@ class ReadingAdvice:
         rigid run failed.
     estimate : float
         Upper figure of the largest difference, in the unit of the reading, from the rigid run and
-        the elastic body alone; infinite after an impact, NaN if there is none.
+        the elastic body alone; infinite after an impact or if the loads feed its vibration,
+        NaN if there is none.
     scale : float
         Range of the reading, to which the estimate refers; without a range its largest value.
     life : float
@@ -144,8 +146,12 @@ class BodyAdvice:
         m: d.
     bound : float
         ``1 / (1 - r)``: largest deflection in one smooth stroke / d.
+    amplification : float
+        Largest vibration / largest static deformation under its loads.
+    slower : float
+        Period of free motions of the machine with the elastic body / that with the rigid one - 1.
     impact : bool
-        Whether a stop was hit: a rigid body then loses everything.
+        Whether a stop was hit or a velocity jumped: a rigid body then loses everything.
     steps, seconds : float
         Steps and duration, s, of the run with the rigid body.
     modes : ModesAdvice or None
@@ -162,6 +168,8 @@ class BodyAdvice:
     ratio: float = float("nan")
     deflection: float = float("nan")
     bound: float = float("nan")
+    amplification: float = float("nan")
+    slower: float = 0.0
     impact: bool = False
     steps: float = float("nan")
     seconds: float = float("nan")
@@ -169,22 +177,32 @@ class BodyAdvice:
     failed: str = ""
 
     @property
+    def resonant(self) -> bool:
+        """Whether vibration or free motions grow too different for an estimate."""
+        return self.amplification >= RESONANT or self.slower >= RETUNED
+
+    @property
     def verdict(self) -> str:
         """Whether the body must be "flexible" or can be "rigid"."""
         lost = any(one.exceeds(self.limit, self.life_limit) for one in self.readings)
-        return FLEXIBLE if lost or self.impact or not self.readings else RIGID
+        unknown = self.impact or self.resonant or not self.readings
+        return FLEXIBLE if lost or unknown else RIGID
 
     @property
     def ranked(self) -> list[ReadingAdvice]:
         """Readings, the largest loss first."""
-        return sorted(self.readings, key=lambda one: -one.worst)
+        return sorted(self.readings, key=lambda one: (-one.worst, -np.nan_to_num(one.share)))
 
     def reasons(self) -> Iterator[str]:
         """Yield the numbers behind the verdict."""
         if self.impact:
-            yield "a stop is hit, and an impact excites all frequencies"
+            yield "a stop is hit or a velocity jumps, and an impact excites all frequencies"
+        elif self.resonant:
+            yield self._dynamic()
         if not self.readings:
             yield self.failed
+            return
+        if (self.impact or self.resonant) and not self._measured:
             return
         worst = self.ranked[0]
         if worst.worst > self.limit:
@@ -200,13 +218,26 @@ class BodyAdvice:
             limit = percent(self.limit)
             yield f"no reading loses more than {limit} of its range; {self._loss(worst)}"
 
+    def _dynamic(self) -> str:
+        grows = f"its vibration grows to {self.amplification:.3g} times the static deformation"
+        if self.amplification < RESONANT:
+            grows = f"free motions are slower by {percent(self.slower)}"
+        elif np.isinf(self.amplification):
+            grows = "its first frequency falls to 0 under its loads"
+        text = f"not estimable: dynamic, r = {self.ratio:.3g}, {grows}"
+        return text if self._measured else f"{text}; run it flexible"
+
+    @property
+    def _measured(self) -> bool:
+        return any(one.measured is not None for one in self.readings)
+
     def _loss(self, one: ReadingAdvice) -> str:
         away = shown(one.difference, one.unit)
         if one.measured is None:
             return f"{one.reading} up to {away} elsewhere ({percent(one.estimated_share)})"
         text = f"{one.reading} is up to {away} elsewhere ({percent(one.share)}"
         estimate = one.estimated_share
-        if one.share <= self.limit < estimate:
+        if one.share <= self.limit < estimate < np.inf:
             text += f", but the estimate of {percent(estimate)} is above the limit"
         return text + ")"
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from jousto.base.arrays import Array, Ints
 from jousto.design.flexibility.impacts import has_impact
@@ -20,6 +21,22 @@ from jousto.simulation.state import State, put
 SCATTER = (0.85, 1.0, 1.2)
 """Factors on the natural frequencies; the largest difference of all counts, since the frequencies
 change with the pose and with the bodies that the estimate leaves out."""
+RESONANT = 3.0
+"""Largest vibration / static deformation, from which on there is no estimate. A load that begins
+suddenly reaches 2; beyond, the loads feed the vibration cycle by cycle, and its damping, its phase
+and the change of its frequency decide."""
+RETUNED = 0.05
+"""Change of the period of free motions, from which on there is no estimate: after five swings they
+are a quarter of a period apart, and drives excite them otherwise."""
+KINEMATIC = ("m", "rad", "m/s", "rad/s")
+"""Units of readings that do not jump with a load."""
+SHARP = 1.25
+"""Factor on the vibration of all other readings, such as forces, accelerations and stresses: modes
+of high frequency decide there, whose peaks lie between the stored instants."""
+AROUND = 11
+"""Number of neighbouring second differences whose median is that without a jump."""
+ABOVE = 2.0
+"""Second difference / that without a jump, from which on it is a jump."""
 MARGIN = 1.15
 """Factor of the estimates for what they leave out: terms of second order in the deformation."""
 INSTANTS = 401
@@ -46,6 +63,9 @@ class Expected:
         Highest frequency of its loads, W, rad/s.
     ratio : float
         ``r = W / w``.
+    amplification : float
+        Largest vibration / largest static deformation, as square roots of strain energies;
+        infinite if the first frequency falls to 0, so that the body buckles.
     impact : bool
         Whether a stop is hit or a velocity jumps in the run: then everything may be lost.
     swings : Swings or None
@@ -63,6 +83,7 @@ class Expected:
     first: float
     highest: float
     ratio: float
+    amplification: float
     impact: bool
     swings: Swings | None
     static: Array
@@ -76,6 +97,16 @@ class Expected:
         From ``r = 1`` on, and after an impact, there is no bound: infinite.
         """
         return 1.0 / (1.0 - self.ratio) if self.ratio < 1.0 and not self.impact else float("inf")
+
+    @property
+    def bounded(self) -> bool:
+        """Whether there is an estimate: no impact, no resonance, and free motions not retuned."""
+        return self.amplification < RESONANT and self.slower < RETUNED and not self.impact
+
+    @property
+    def slower(self) -> float:
+        """Period of free motions with elastic bodies / with rigid ones - 1; 0 without any."""
+        return 0.0 if self.swings is None else self.swings.slower
 
     def deformation(self, body: str) -> Array:
         """Return the modal coordinates (nt, n) of a body with the static deformation."""
@@ -104,11 +135,11 @@ class Expected:
         static : (nt,) array
             Reading with the static deformation.
         """
-        if self.swings is None or self.impact:
+        if self.swings is None:
             return 0.0
         return MARGIN * self.swings.drift(self.held.time, np.gradient(static, self.held.time))
 
-    def difference(self, sensor: SensorModel, component: int, base: Array) -> float:
+    def difference(self, sensor: SensorModel, component: int, base: Array, jumped: float) -> float:
         """Return the upper figure of the difference of a reading, in its unit.
 
         The static difference and the vibration about it are added, whatever their phase, and the
@@ -122,19 +153,24 @@ class Expected:
             Index of its value.
         base : (nt,) array
             Reading of the rigid run.
+        jumped : float
+            Its largest jump, see `upper`.
         """
         k = sensor.offset + component
         static = self.static[:, k]
-        found = self.upper(base, static, [one[:, k] for one in self.readings])
-        if self.swings is None or self.impact:
+        found = self.upper(base, static, [one[:, k] for one in self.readings], jumped)
+        if self.swings is None:
             return found
         rates = self.swings.rates.get(sensor.name)
         if rates is None:
             return found + self.static_drift(static)
         return found + MARGIN * self.swings.drift(self.held.time, rates[:, component])
 
-    def upper(self, base: Array, static: Array, vibrating: Sequence[Array]) -> float:
+    def upper(self, base: Array, static: Array, vibrating: Sequence[Array], jumped: float) -> float:
         """Return the upper figure of a difference without drift, in the unit of the reading.
+
+        Forces, accelerations and stresses jump with the loads: their vibration is multiplied by
+        `SHARP`, and the `jump` of the reading is added.
 
         Parameters
         ----------
@@ -142,12 +178,40 @@ class Expected:
             Reading of the rigid run, and with the static deformation.
         vibrating : sequence of (nt,) array
             Readings with vibration, for each factor of `SCATTER`.
+        jumped : float
+            Largest jump of the reading of the rigid run; NaN for places, angles and their rates,
+            which cannot jump.
         """
-        if self.impact:
+        if not self.bounded:
             return float("inf")
         vibration = max(float(np.abs(one - static).max()) for one in vibrating)
+        if not np.isnan(jumped):
+            vibration = SHARP * vibration + jumped
         largest = MARGIN * (float(np.abs(static - base).max()) + vibration)
         return largest if self.swings is None else largest * self.swings.growth
+
+
+def jump(values: Array, unit: str) -> float:
+    """Return the largest jump of a reading between stored instants, in its unit; NaN if it cannot.
+
+    A load that is applied within one interval is sudden for modes that the stored instants do not
+    resolve, and the elastic body passes it on with up to twice its height: the difference is at
+    most the jump itself. A jump is a second difference far above those around it.
+
+    Parameters
+    ----------
+    values : (nt,) array
+        Reading at evenly spaced instants.
+    unit : str
+    """
+    if unit in KINEMATIC:
+        return float("nan")
+    second = np.abs(np.diff(values, 2))
+    if not len(second):
+        return 0.0
+    # zeros before the start: loads that begin there may jump
+    around = median_filter(second, AROUND, mode="constant")
+    return float(np.maximum(second - ABOVE * around, 0.0).max())
 
 
 def expected_readings(full: Model, begin: State | None, simple: VariantRun, body: int) -> Expected:
@@ -181,6 +245,9 @@ def expected_readings(full: Model, begin: State | None, simple: VariantRun, body
         first=first,
         highest=highest,
         ratio=highest / first if first > 0.0 else float("inf"),
+        amplification=_amplification(held.static, start[0], [p for p, _ in pairs], stiffness)
+        if first > 0.0
+        else float("inf"),
         impact=has_impact(simple.model, run),
         swings=free_swings(simple.model, run, instants, strain, simple.arguments),
         static=_sensed(engine, held, held.static, rates),
@@ -197,6 +264,15 @@ def _start(full: Model, begin: State | None, held: HeldBodies) -> tuple[Array, A
         np.real(q)[positions] - first.q[positions],
         np.real(v)[held.modal] - first.v[held.modal],
     )
+
+
+def _amplification(
+    static: Array, start: Array, vibrating: Sequence[Array], stiffness: Array
+) -> float:
+    """Return the largest deformation with vibration / that without, and that at the start."""
+    root = np.sqrt(stiffness)
+    size = [float(np.linalg.norm(p * root, axis=-1).max()) for p in (static, start, *vibrating)]
+    return max(size[2:]) / (size[0] + size[1]) if size[0] + size[1] > 0.0 else 1.0
 
 
 def _instants(count: int, nv: int) -> Ints:

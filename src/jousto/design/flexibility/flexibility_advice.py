@@ -208,7 +208,8 @@ def _cells(one: ReadingAdvice) -> list[str]:
         shifted = "" if loss.absolute else percent(loss.shifted)
         measured = [error, percent(loss.peak), f"{1e3 * loss.lag:.3g} ms", shifted]
     life = "" if np.isnan(one.life) else f"{one.life:.3g}"
-    estimate = "" if np.isnan(one.estimate) else percent(one.estimated_share)
+    share = one.estimated_share
+    estimate = "" if np.isnan(share) else percent(share) if np.isfinite(share) else "no bound"
     return [one.reading, *measured, life, estimate]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.design.flexibility.body_advice import ReadingAdvice
 from jousto.design.flexibility.comparison import Comparison, common, reading_scale
-from jousto.design.flexibility.expected import Expected
+from jousto.design.flexibility.expected import AROUND, Expected, jump
 from jousto.design.flexibility.reading_loss import reading_loss
 from jousto.design.flexibility.variant_runs import Reading, sensor_readings
 from jousto.model.model import SensorModel
@@ -84,5 +84,6 @@ def _estimate(
     base: Array = expected.static[:, sensor.offset + one.component]
     if other is not None:
         base = np.interp(expected.held.time, comparison.simple.run.time, other.values)
-    found = expected.difference(sensor, one.component, base)
+    known = base[:AROUND] if other is None else other.values
+    found = expected.difference(sensor, one.component, base, jump(known, one.unit))
     return found if found > one.floor else 0.0

@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 from jousto.base.arrays import Array
 from jousto.design.flexibility.body_advice import ReadingAdvice
 from jousto.design.flexibility.comparison import Comparison, common, reading_scale
+from jousto.design.flexibility.expected import AROUND, jump
 from jousto.design.flexibility.hot_spot_readings import (
     HotSpotReading,
     damage_ratio,
@@ -64,7 +65,9 @@ def _loss(comparison: Comparison, spot: HotSpotReading, time: Array, p: Array) -
         static = spot.history(expected.deformation(spot.body))
         vibrating = [spot.history(x) for x in expected.vibrations(spot.body)]
         base = static if simple is None else np.interp(expected.held.time, *simple)
-        estimate = expected.upper(base, static, vibrating)
+        # the static deformation is known at fewer instants: a jump is looked for at the start alone
+        known = static[:AROUND] if simple is None or recovered else simple[1]
+        estimate = expected.upper(base, static, vibrating, jump(known, "Pa"))
         estimate += expected.static_drift(static)
     if comparison.full is not None and simple is not None:
         t, full, other = common(time, y, *simple)

@@ -26,6 +26,9 @@ MOVED = 1e-7
 """Displacement at the start of the second run / size of the machine."""
 REGULAR = 30.0
 """Growth of a deviation in a run, up to which a motion is regular: its phase runs away linearly."""
+UNEVEN = 4.0
+"""Factor on the drift for motions that are not one harmonic oscillation: in large or coupled swings
+a deviation of the phase where the motion is slow grows where it is fast."""
 AHEAD = 1e-6
 """Time, s, of the differences for rates of readings."""
 ALMOST_STILL = 1e-9
@@ -53,8 +56,10 @@ class Swings:
     def drift(self, time: Array, rate: Array) -> float:
         """Return the largest difference of a reading by the phase of free motions, in its unit.
 
-        The time of the free part of the reading is stretched: ``slower int |y'| dt``, at most the
-        range of this part.
+        The time of the free part of the reading is stretched: ``slower int |y'| dt``, times
+        `UNEVEN`. The most is the range of this part, ``(1 + slower)^4`` times larger: a softer
+        spring makes the swing ``(1 + slower)^2`` times larger, and readings of second order, such
+        as the height of a swing, the square of it.
 
         Parameters
         ----------
@@ -65,7 +70,8 @@ class Swings:
         """
         steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(time)
         part = np.concatenate([[0.0], np.cumsum(steps)])
-        return float(min(np.ptp(part), self.slower * np.abs(steps).sum()))
+        most = float(np.ptp(part)) * (1.0 + self.slower) ** 4
+        return min(most, UNEVEN * self.slower * float(np.abs(steps).sum()))
 
 
 def free_swings(
