@@ -195,3 +195,13 @@ def test_variant_keeps_the_rest_of_the_machine() -> None:
         with_rigid_bodies(jo.Mechanism(*machine.items, sensor, ends, name="m"), ["arm"])
     with pytest.raises(jo.InputError, match="no body 'amr'"):
         with_rigid_bodies(full, ["amr"])
+
+
+def test_gauges_have_the_modes_that_remain() -> None:
+    machine = driven_arm()
+    gauge = jo.gauges.Gauge("top", machine.bodies[0], "e1.a.top")
+    few = with_modes(jo.Mechanism(*machine.items, gauge, name="m"), {"arm": [0, 2]}).mechanism
+    copied = next(one for one in few.sensors if one.name == "top")
+    assert copied.rows.shape == (1, 2)
+    np.testing.assert_array_equal(copied.rows, gauge.rows[:, [0, 2]])
+    jo.compile(few)
