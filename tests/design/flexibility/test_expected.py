@@ -19,7 +19,8 @@ from design.flexibility.flexible_machines import (
     hub_acceleration,
     slewing_boom,
 )
-from jousto.design.flexibility.expected import Expected, expected_readings
+from jousto.design.flexibility.body_advice import BodyAdvice
+from jousto.design.flexibility.expected import Expected, expected_readings, jump
 from jousto.design.flexibility.impacts import has_impact
 from jousto.design.flexibility.quasi_static import HeldBodies
 from jousto.design.flexibility.swinging import period_change
@@ -168,3 +169,28 @@ def test_stop_that_is_hit_is_an_impact(wall: float, hit: bool) -> None:
     machine = jo.Mechanism(ball, rail, stop, jo.Gravity((0, 0, -9.81)))
     model = jo.compile(machine)
     assert has_impact(model, jo.simulate(model, 0.4)) is hit
+
+
+def test_jump_of_a_reading_between_instants() -> None:
+    t = np.linspace(0.0, 1.0, 401)
+    smooth = np.sin(2.0 * np.pi * 3.0 * t)
+    assert jump(smooth, "N") < 1e-3
+    assert jump(smooth + 5.0 * (t > 0.4), "N") == pytest.approx(5.0, abs=0.02)
+    # of a load that is there from the second instant on
+    assert jump(np.where(t > 0.0, -40.0, 0.0), "N") == pytest.approx(40.0)
+    assert np.isnan(jump(smooth, "m"))
+
+
+def test_resonance_has_no_estimate(boom: Expected) -> None:
+    base = boom.static[:, 0]
+    assert np.isfinite(boom.upper(base, base, [base], 0.0))
+    resonant = replace(boom, amplification=3.0)
+    assert resonant.upper(base, base, [base], 0.0) == np.inf
+    # a stroke of r = 0.16 deflects by at most 1 / (1 - r)
+    assert 1.0 < boom.amplification < 1.0 / (1.0 - boom.ratio / 0.85)  # 0.85: softest of SCATTER
+    advice = BodyAdvice("boom", (), 0.02, 0.1, ratio=1.5, amplification=4.0)
+    assert advice.verdict == "flexible"
+    reason = "not estimable: dynamic, r = 1.5, its vibration grows to 4 times the static"
+    assert next(advice.reasons()).startswith(reason)
+    free = BodyAdvice("boom", (), 0.02, 0.1, ratio=0.5, amplification=1.0, slower=0.07)
+    assert "free motions are slower by 7 %; run it flexible" in next(free.reasons())
