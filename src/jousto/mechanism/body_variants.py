@@ -190,8 +190,6 @@ def _attached(value: Any, memo: dict[int, Any]) -> Any:
     memo[id(value)] = made = copy.copy(value)  # before its fields, which may refer to it
     for key, one in vars(value).items():
         vars(made)[key] = _attached(one, memo)
-    if isinstance(made, Sensor) and isinstance(getattr(made, "body", None), FlexibleBody):
-        made.consistent(Problems(), name_of(made))  # rows of gauges have the modes of their body
     return made
 
 
