@@ -208,8 +208,8 @@ int main(void)
     static const double harmonic[4] = {1, 2, 3, 0.5}, table[6] = {0, 0.5, 2, 0, 1, 0.5}, jump[3] = {5, 1, 2};
     jo_signal signal[] = {{JO_SIGNAL_HARMONIC, 0, 0, {0, 0}, harmonic}, {JO_SIGNAL_TABLE, 3, 0, {0, 0}, table}, {JO_SIGNAL_STEP, 0, 0, {0, 0}, jump}};
     jo_force force[] = {
-        {JO_FORCE_load, -1, 6, -1, -1, 0, 0, 0, -1, -1, -1, push, 0, 0, -1, -1, 0},     {JO_FORCE_load, -1, 6, -1, -1, 1, 0, 1, -1, -1, -1, screw, 0, 0, -1, -1, 0},
-        {JO_FORCE_load, -1, 4, -1, -1, 0, 0, 2, -1, -1, -1, push, 0, 0, -1, -1, 0},     {JO_FORCE_load, -1, 6, -1, -1, 0, 0, -1, -1, -1, -1, twist, 0, 0, -1, -1, 0},
+        {JO_FORCE_load, -1, 6, -1, -1, -1, 0, 0, 0, -1, -1, -1, push, 0, 0, -1, -1, 0},     {JO_FORCE_load, -1, 6, -1, -1, -1, 1, 0, 1, -1, -1, -1, screw, 0, 0, -1, -1, 0},
+        {JO_FORCE_load, -1, 4, -1, -1, -1, 0, 0, 2, -1, -1, -1, push, 0, 0, -1, -1, 0},     {JO_FORCE_load, -1, 6, -1, -1, -1, 0, 0, -1, -1, -1, -1, twist, 0, 0, -1, -1, 0},
     };
     jo_sensor sensor[] = {
         {JO_SENSOR_POSITION, 7, -1, -1, 0, 3, 0},          {JO_SENSOR_VELOCITY, 7, -1, -1, 3, 3, 0},   {JO_SENSOR_ORIENTATION, 7, -1, -1, 6, 4, 0},

@@ -128,7 +128,7 @@ static void add_spring(tree *t)
     jo_force *f = &t->force[i];
     memset(f, 0, sizeof *f);
     f->type = JO_FORCE_along;
-    f->a = f->b = f->body = f->signal = f->reference = f->spring = f->damper = f->release = f->state = -1;
+    f->a = f->b = f->body = f->other = f->signal = f->reference = f->spring = f->damper = f->release = f->state = -1;
     f->coordinate = i;
     const jo_along_data data = {6.0, 0.0, 0.1, 0.0, 0.0};
     t->along[i] = data;

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ctypes
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -212,3 +214,12 @@ def test_a_ramp_has_no_rate_before_and_after_it():
         engine.time[0] = time
         found.append(engine.accelerations()[0][0])
     assert found == pytest.approx([0.0, 3.0, 3.0, 0.0], abs=1e-12)
+
+
+def test_laws_are_known_to_a_process_that_only_reads_models():
+    """A model of another process: no module that declares its forces is loaded here."""
+    code = (
+        "from jousto.mechanism.forces.law import law_of; print(law_of('gear spring').side_by_side)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "True"

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
+from jousto.base.declare import kinds
 from jousto.base.object_repr import described
 from jousto.mechanism.joints.coordinate import Along
 
@@ -88,7 +89,12 @@ class EngineLaw:
 
 
 def law_of(name: str) -> EngineLaw:
-    """Return the declared law with a name."""
+    """Return the declared law with a name; one without a declaration has no units and effects.
+
+    A model that comes from another process may have forces whose modules are not loaded here.
+    """
+    if name not in LAWS:
+        kinds("forces", "jousto.mechanism.forces")
     return LAWS.get(name) or EngineLaw(name)
 
 
