@@ -22,9 +22,9 @@ kind: reference
 The readers of `jo.robots` treat every word of their formats, attributes and elements as follows.
 A word is
 
-* **done**: it has the meaning of the format;
+* **done**: it has the meaning that the format defines;
 * **without effect** on the motion;
-* **warned of**, with its line and effect, where its value changes the motion;
+* **warned of**, with its line and effect, if its value changes the motion;
 * **refused**, with its line and the remedy.
 
 A word that is not in the lists gets a warning. The tests compare the lists with the schemas of

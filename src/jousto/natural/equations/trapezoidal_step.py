@@ -18,6 +18,7 @@ from jousto.natural.equations.block_matrix import Solve, Term
 from jousto.natural.equations.force_laws import Action
 from jousto.natural.equations.system import Machine, Place
 
+DIVERGED = 1e3  # relative increment from which on an iteration diverges
 PENALTY = 1e6  # penalty: alpha h^2 / 4 over the effective mass of a constraint
 TOLERANCE = 1e-9  # relative increment at which the iteration of a step has converged
 PROJECTIONS = 5  # number of iterations of the velocity multipliers
@@ -152,7 +153,7 @@ class Stepper:
             lam = lam + self.alpha * place.C
             moved = float(np.abs(change / self.scale).max())
             open_ = float(np.abs(place.C / self.limit).max())
-            if not np.isfinite(moved + open_):
+            if not (np.isfinite(open_) and moved < DIVERGED):
                 break
             if moved < self.tolerance and open_ < 1e-3 * self.tolerance:
                 return self._projected(old, place, lam, hat_v, hat_a, solve, iteration)
