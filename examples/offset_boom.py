@@ -32,20 +32,19 @@ from jousto.planar import (
 )
 
 A, I, E, RHO = 1900e-6, 3.756e-6, 207e9, 7850.0  # m2, m4, Pa, kg/m3
+Pair = tuple[PlanarRun, PlanarRun]
 ABSOLUTE = Convergence(residual=1e-3)  # the tolerance of the paper, read as N and N m
 
 
-def boom(
-    GA: float = E * A, element: str | PlanarElement = "exact", elements: int = 4
-) -> PlanarFrame:
+def boom(GA: float = E * A, element: str | PlanarElement = "exact", n: int = 4) -> PlanarFrame:
     """A boom of 4 m on a pivot 0.5 m beside its axis, and a moment that grows with t^6."""
     section = PlanarSection(EA=E * A, GA=GA, EI=E * I, mass=RHO * A, rotary=RHO * I)
     moment = PlanarLoad(0, moment=2e6, signal=lambda t: t if t <= 1.0 else t**6)
     return PlanarFrame(
-        [(0.0, -0.5), *((4.0 * i / elements, 0.0) for i in range(1, elements + 1))],
+        [(0.0, -0.5), *((4.0 * i / n, 0.0) for i in range(1, n + 1))],
         [
             PlanarBeam(0, 1, section, offset_a=(0.0, 0.5)),
-            *(PlanarBeam(i, i + 1, section) for i in range(1, elements)),
+            *(PlanarBeam(i, i + 1, section) for i in range(1, n)),
         ],
         supports=[PlanarSupport(0)],
         loads=[moment],
@@ -69,7 +68,7 @@ def rpm(run: PlanarRun) -> np.ndarray:
     return run.velocities[:, 0, 2] * 30 / np.pi
 
 
-def compare(step: float, t_end: float) -> tuple[PlanarRun, PlanarRun]:
+def compare(step: float, t_end: float) -> Pair:
     """Run with and without the velocity-dependent tangents and print one line for each."""
     runs = spin(step, t_end, True), spin(step, t_end, False)
     for run, name in zip(runs, ("with", "without"), strict=True):
@@ -104,9 +103,7 @@ def shears_off() -> None:
         print(*(item.message for item in caught), sep="\n")
 
 
-def draw(
-    coarse: tuple[PlanarRun, PlanarRun], fine: tuple[PlanarRun, PlanarRun], path: Path
-) -> None:
+def draw(coarse: Pair, fine: Pair, path: Path) -> None:
     """Speed, work and the share of K_acc."""
     bold = {"loc": "left", "fontweight": "bold", "fontsize": 10.5, "pad": 8}
     with plt.style.context(STYLE):
@@ -117,9 +114,8 @@ def draw(
         left.set_title("Speed", **bold)
         left.set(xlabel="time (s)", ylabel="rpm")
         left.legend()
-        for run, color, name in zip(
-            fine, COLORS, ("with K$_{acc}$, C$_{acc}$", "without"), strict=False
-        ):
+        names = "with K$_{acc}$, C$_{acc}$", "without"
+        for run, color, name in zip(fine, COLORS, names, strict=False):
             middle.plot(run.time, np.cumsum(run.evaluations), color=color, label=name)
         middle.set_title("Residuals evaluated", **bold)
         middle.set(xlabel="time (s)")
