@@ -98,7 +98,7 @@ def test_a_flexible_body_with_too_many_joints_is_refused_before_memory_is_full()
     middle = jo.FlexibleBody("middle", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=1)))
     wheels = [jo.RigidBody(f"w{i}", 1.0, (1, 1, 1)) for i in range(600)]
     joints = [jo.Revolute(f"j{w.name}", middle["start"], w["origin"], (0, 0, 1)) for w in wheels]
-    with pytest.raises(jo.InputError, match="body 'middle': carries 600 joints.*divide it"):
+    with pytest.raises(jo.InputError, match="body 'middle': has 600 joints.*divide it"):
         jo.compile(jo.Mechanism(middle, *wheels, *joints))
 
 

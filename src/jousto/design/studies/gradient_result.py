@@ -13,14 +13,14 @@ from jousto.base.object_repr import described
 EXACT, MOTION, RUN = "complex step", "complex motion", "complex run"
 DIFFERENCES, NONE = "differences", "none"
 WAYS = {
-    EXACT: "Complex numbers all the way to the outcome",
-    MOTION: "Complex numbers up to the results of the run. The outcome of these "
-    "results, at the same place, at the same instant and by the same cycles, by differences of "
-    "fourth order",
-    RUN: "The model by differences of fourth order between models beside it, complex numbers from "
-    "there on; the reason follows",
-    DIFFERENCES: "Central differences of whole runs with real numbers; the reason follows",
-    NONE: "There is no derivative, the number is NaN; the reason follows",
+    EXACT: "Complex numbers from the parameter to the outcome",
+    MOTION: "Complex numbers up to the results of the run. The outcome is then differentiated by "
+    "fourth-order differences of these results, at the same place, the same instant and for the "
+    "same cycles",
+    RUN: "The model by fourth-order differences between neighbouring models, then complex numbers; "
+    "the reason is appended",
+    DIFFERENCES: "Central differences of whole runs with real numbers; the reason is appended",
+    NONE: "There is no derivative, and the number is NaN; the reason is appended",
 }
 """First words of the entries of `GradientResult.how`."""
 
