@@ -205,3 +205,26 @@ def test_gauges_have_the_modes_that_remain() -> None:
     assert copied.rows.shape == (1, 2)
     np.testing.assert_array_equal(copied.rows, gauge.rows[:, [0, 2]])
     jo.compile(few)
+
+
+def test_limits_are_shares_and_percent_is_proposed() -> None:
+    with pytest.raises(
+        jo.InputError, match=r"limit is 5, 500 %; give a share such as 0.05 or '5 %'"
+    ):
+        jo.design.advise_flexibility(idle_machine(), 0.1, limit=5)
+
+
+def test_nothing_is_rigid_where_nothing_happens() -> None:
+    """Without loads all readings are equal, and say nothing."""
+    advice = jo.design.advise_flexibility(idle_machine(), 0.05, output_step=0.01)
+    assert advice.bodies[0].verdict == "flexible"
+    assert "no load deforms it in this run, so that nothing was compared" in str(advice)
+
+
+def idle_machine() -> jo.Mechanism:
+    steel = jo.Material(E=2.1e11, nu=0.3, rho=7850)
+    part = jo.Part.beam(1.0, jo.Rectangle(0.03, 0.012), 3, steel)
+    arm = jo.FlexibleBody("arm", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=2)))
+    hinge = jo.Fixed("hinge", jo.ground["origin"], arm["start"])
+    push = jo.Force("push", arm["end"], (0, 0, 100.0), signal=jo.Constant(0.0))
+    return jo.Mechanism(arm, hinge, push, jo.PositionSensor("tip", arm["end"]))

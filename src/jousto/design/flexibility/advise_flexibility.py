@@ -262,6 +262,9 @@ def _checked(
     for name, value in limits.items():
         if value is not None:
             problems.positive(WHERE, name, value, "")
+        if name != "slope" and isinstance(value, int | float) and value >= 1.0:
+            message = f"{name} is {value:g}, {100 * value:g} %; give a share such as 0.05 or '5 %'"
+            problems.add(WHERE, message)
     for name in how:
         if name not in ("solver", "output_step"):
             message = f"there is no argument {name!r}{suggest(name, ['solver', 'output_step'])}"

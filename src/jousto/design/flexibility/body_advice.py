@@ -185,8 +185,13 @@ class BodyAdvice:
     def verdict(self) -> str:
         """Whether the body must be "flexible" or can be "rigid"."""
         lost = any(one.exceeds(self.limit, self.life_limit) for one in self.readings)
-        unknown = self.impact or self.resonant or not self.readings
+        unknown = self.impact or self.resonant or self.idle or not self.readings
         return FLEXIBLE if lost or unknown else RIGID
+
+    @property
+    def idle(self) -> bool:
+        """Whether no load deforms the body in this run, so that nothing was compared."""
+        return self.deflection == 0.0 and not any(one.difference > 0.0 for one in self.readings)
 
     @property
     def ranked(self) -> list[ReadingAdvice]:
@@ -195,6 +200,9 @@ class BodyAdvice:
 
     def reasons(self) -> Iterator[str]:
         """Yield the numbers behind the verdict."""
+        if self.idle:
+            yield "no load deforms it in this run, so that nothing was compared"
+            return
         if self.impact:
             yield "a stop is hit or a velocity jumps, and an impact excites all frequencies"
         elif self.resonant:

@@ -197,7 +197,7 @@ def _frequencies(body: BodyAdvice) -> str:
     )
     if np.isfinite(body.bound):
         return f"{text}, at most {shown(body.bound * body.deflection, 'm')} in a smooth stroke"
-    return f"{text}, no bound: the loads contain its frequency"
+    return f"{text}; the loads contain its frequency"
 
 
 def _cells(one: ReadingAdvice) -> list[str]:
