@@ -8,16 +8,10 @@
 #include "force/force.h"
 #include "friction/friction.h"
 
-static void clear_forces(const jo_body *b, jo_body_work *w)
-{
-    for (int j = 0; j < 6; j++) w->fr[j] = jo_same(0.0);
-    for (int j = 0; j < b->np; j++) w->fp[j] = jo_same(0.0);
-}
-
 /* fr, fp = -K p */
 static void elastic(const jo_body *b, jo_body_work *w)
 {
-    clear_forces(b, w);
+    jo_clear_forces(b, w);
     for (int j = 0; j < b->n; j++) w->fp[j] = -b->K[j] * w->p[j];
 }
 
@@ -25,7 +19,7 @@ static void elastic(const jo_body *b, jo_body_work *w)
 static void damping(const jo_body *b, jo_body_work *w)
 {
     jo_real t[3], h[3], SV[3];
-    clear_forces(b, w);
+    jo_clear_forces(b, w);
     for (int j = 0; j < b->n; j++) w->fp[j] = -b->D[j] * w->pd[j];
     if (b->n) return;
     jo_cross(t, w->w, w->S);
@@ -42,7 +36,7 @@ static void gravity(const jo_model *m, const jo_body *b, jo_body_work *w)
 {
     jo_real g[3];
     jo_mul3t(g, w->A, m->gravity);
-    clear_forces(b, w);
+    jo_clear_forces(b, w);
     jo_axpy3(w->fr, b->mass[0], g);
     jo_cross(w->fr + 3, w->S, g);
     for (int j = 0; j < b->n; j++)
@@ -86,7 +80,7 @@ static void pushed(const jo_model *m, jo_data *d, int body, int kind)
     jo_body_work *w = &d->body[body];
     const int tree = jo_tree_active(d);
     const jo_valid before = tree ? jo_detour_begins(d) : jo_valid_now(d);   /* forces along joint coordinates: on both bodies */
-    clear_forces(&m->body[body], w);
+    jo_clear_forces(&m->body[body], w);
     if (kind == JO_LOAD_APPLIED) {
         const jo_work power = d->power;
         for (int i = 0; i < m->nforce; i++) (void)jo_apply_force(m, d, &jo_now, i);

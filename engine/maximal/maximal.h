@@ -18,6 +18,13 @@ static inline int jo_padded(int rows) { return rows <= 4 ? 4 : 8; }
 static inline int jo_carries(const jo_body_work *b) { return b->maximal.carried != 0; }
 static inline int jo_force_changed(const jo_body_work *b) { return b->maximal.changed; }
 
+/* forces on a body = 0 */
+static inline void jo_clear_forces(const jo_body *b, jo_body_work *w)
+{
+    for (int j = 0; j < 6; j++) w->fr[j] = jo_same(0.0);
+    for (int j = 0; j < b->np; j++) w->fp[j] = jo_same(0.0);
+}
+
 /* the constants of set 1 become invalid; the next jo_use_step computes them */
 static inline void jo_forget_step(jo_data *d) { d->schur.gh = -1.0; }
 

@@ -9,19 +9,12 @@
 #include "force/force.h"
 #include "friction/friction.h"
 
-/* forces on the body = 0 */
-static void clear(const jo_body *b, jo_body_work *w)
-{
-    for (int j = 0; j < 6; j++) w->fr[j] = jo_same(0.0);
-    for (int j = 0; j < b->np; j++) w->fp[j] = jo_same(0.0);
-}
-
 /* row = forces on the body, which become 0; returns the next row */
 static jo_real *take(const jo_body *b, jo_body_work *w, jo_real *row)
 {
     for (int j = 0; j < 6; j++) row[j] = w->fr[j];
     for (int j = 0; j < b->n; j++) row[6 + j] = w->fp[j];
-    clear(b, w);
+    jo_clear_forces(b, w);
     return row + 6 + b->n;
 }
 
@@ -33,7 +26,7 @@ int jo_body_loads(const jo_model *m, jo_data *d, int body, jo_real *out)
     /* kinematics and friction forces (rub) at the present state */
     const int status = jo_residual_at(m, d, &jo_now, d->rate);
     if (status != JO_OK) return status;
-    clear(b, w);
+    jo_clear_forces(b, w);
     for (int i = 0; i < m->nforce; i++) {
         const int applied = jo_apply_force(m, d, &jo_now, i);
         if (applied != JO_OK) {
