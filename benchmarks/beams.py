@@ -28,11 +28,10 @@ from numpy.typing import NDArray
 import exudyn_beams as peer
 import jousto as jo
 from jousto.model.native.header import places
+from strips import LEANING, LENGTH, NU, RHO, UPRIGHT, WIDTH, E, mechanism
 
 H = 1e-3  # s
 INSTANTS = 10
-LENGTH, WIDTH, E, NU, RHO = 1.0, 0.01, 2e9, 0.3, 7850.0
-LEANING, UPRIGHT = (0.0, -8.5, -4.9), (0.0, -9.81, 0.0)
 ENDS = {10: 0.5, 100: 0.3, 1000: 0.05}  # s, what EXUDYN can do in the time
 
 
@@ -43,25 +42,6 @@ class Cost:
     microseconds: float
     newton: float
     tip: NDArray[np.float64]
-
-
-def mechanism(elements: int, gravity: tuple[float, float, float], fine: bool = False) -> Any:
-    """The strip on its hinge."""
-    strip = jo.BeamBody(
-        "strip",
-        [[0, 0, 0], [LENGTH, 0, 0]],
-        jo.Rectangle(WIDTH, WIDTH),
-        jo.Material(E=E, nu=NU, rho=RHO),
-        elements=elements,
-        bending=fine,
-        mass="corrected" if fine else "lumped",
-    )
-    return jo.Mechanism(
-        strip,
-        jo.Spherical("hinge", jo.ground["origin"], strip["start"]),
-        jo.Gravity(gravity),
-        jo.PositionSensor("tip", strip["end"]),
-    )
 
 
 def strip(gravity: tuple[float, float, float]) -> peer.Strip:
