@@ -294,11 +294,13 @@ def point_strains(model: SolidModel, group: SolidGroup, chosen: Ints, X: Array, 
     nq = len(table(group.kind, "stress", group.formulation).weights)
     n, k = X.shape[1], group.nodes.shape[1]
     step = max(1, (16 << 20) // (8 * (3 * k * n + 9 * nq * n + 240 * nq * k)))
-    U = X.reshape(len(model.nodes), 3 * n)
+    # a view for any order in memory; the displacements of a block are copied, never all of them
+    U = X.reshape(len(model.nodes), 3, n)
     for start in range(0, len(chosen), step):
         nodes = group.nodes[chosen[start : start + step]]
         block = out[start * nq : (start + len(nodes)) * nq]
-        block_strains(model, group, nodes, U[nodes], "stress", block)
+        own = U[nodes].reshape(*nodes.shape, 3 * n)
+        block_strains(model, group, nodes, own, "stress", block)
 
 
 def block_strains(

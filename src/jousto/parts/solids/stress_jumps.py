@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import lapack
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, Ints
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.reference import table
 from jousto.parts.solids.stress import SolidStress, continuation, point_strains
 
 ROWS = 6
 """Number of eigenvectors stored per site; the remaining ones contribute little."""
+
 BLOCK_BYTES = 64 << 20
 """Memory of the element stresses at the sites of a block, bytes."""
+
+DIVIDED = 25
+"""Largest matrix for which LAPACK's ``syevd`` iterates by QR. Larger ones are divided, which starts
+threads for each matrix: with two threads it takes up to seventy times as long."""
+
+CELLS = 10
+"""Binary digits of the cell of a position along each axis, for an order of neighbours."""
 
 # the von Mises stress of a tensor is the length of these five numbers
 MISES = np.array(
@@ -26,6 +35,23 @@ MISES = np.array(
         [0, 0, 0, 0, 0, np.sqrt(3.0)],
     ]
 )
+
+
+@dataclass(frozen=True, eq=False)
+class _Corners:
+    """Nodes of the elements of a group at sites, by the rank of the site in the order of blocks.
+
+    Parameters
+    ----------
+    rank : (m,) ndarray of int
+        Rank of the site, ascending.
+    element, node : (m,) ndarray of int
+        Element of the group, and number of the node in the element.
+    """
+
+    rank: Ints
+    element: Ints
+    node: Ints
 
 
 def place_scatter(stress: SolidStress, X: Array, s: Array, size: Array) -> Array:
@@ -46,51 +72,144 @@ def place_scatter(stress: SolidStress, X: Array, s: Array, size: Array) -> Array
         Typical relative amplitudes of the shapes.
     """
     ns, n = len(stress), X.shape[1]
-    found = np.zeros((ns, min(ROWS, n), n))
-    order = np.argsort(stress.node, kind="stable")
-    # memory of eight elements around a site: their points, the stress at their nodes, and Q
-    step = max(32, BLOCK_BYTES // (8 * n * (8 * 6 * 60 + n)))
-    for start in range(0, ns, step):
-        chosen = order[start : start + step]
-        few = replace(stress, node=stress.node[chosen], material=stress.material[chosen])
-        Q = _squares(few, X, s[chosen])
-        Q *= np.multiply.outer(size, size)
-        values, vectors = np.linalg.eigh(Q)
-        rows = np.sqrt(np.maximum(values, 0.0))[:, :, None] * np.swapaxes(vectors, 1, 2) / size
-        found[chosen] = rows[:, ::-1][:, : found.shape[1]]
     # single precision is sufficient for an estimate, and makes files smaller
-    return np.asarray(found.astype(np.float32).astype(np.float64))
+    found = np.zeros((ns, min(ROWS, n), n), dtype=np.float32)
+    # neighbours in one block share elements
+    order = neighbours_together(stress.positions)
+    corners = _corners(stress, order)
+    count = np.sum([np.bincount(c.rank, minlength=ns) for c in corners], axis=0)
+    ends = np.cumsum(count)
+    step = max(1, BLOCK_BYTES // _bytes_per_corner(stress, corners, n))
+    start = 0
+    while start < ns:
+        done = ends[start - 1] if start else 0
+        stop = max(start + 1, int(np.searchsorted(ends, done + step, side="right")))
+        sites = order[start:stop]
+        A = _differences(stress, corners, X, MISES @ s[sites], start)
+        found[sites] = _largest(A, count[start:stop], size)
+        start = stop
+    return found.astype(np.float64)
 
 
-def _squares(few: SolidStress, X: Array, s: Array) -> Array:
-    """Return Q (ns, n, n) of some sites."""
-    n, model, site = X.shape[1], few.model, few.numbers
-    Q, count = np.zeros((len(few), n, n)), np.zeros(len(few))
-    for group, touching in zip(model.groups, few._averages[1], strict=True):
+def neighbours_together(points: Array) -> Ints:
+    """Return an order of points (n, 3) in which neighbours are close to each other.
+
+    The points are sorted by cell of a grid, whose coordinates are interlaced digit by digit (G. M.
+    Morton, *A computer oriented geodetic data base*, IBM 1966).
+    """
+    low = points.min(axis=0)
+    extent = float(np.max(points.max(axis=0) - low))
+    scale = (2**CELLS - 1) / extent if extent > 0.0 else 0.0
+    cells = (scale * (points - low)).astype(np.int64)
+    code = np.zeros(len(points), dtype=np.int64)
+    for digit in range(CELLS):
+        for axis in range(3):
+            code |= ((cells[:, axis] >> digit) & 1) << (3 * digit + axis)
+    return np.argsort(code, kind="stable")
+
+
+def _corners(stress: SolidStress, order: Ints) -> list[_Corners]:
+    """Return the nodes at sites of each group of elements."""
+    rank = np.empty(len(order), dtype=np.int64)
+    rank[order] = np.arange(len(order))
+    found = []
+    for group in stress.model.groups:
+        at = stress.numbers[group.material][group.nodes]
+        element, node = np.nonzero(at >= 0)
+        place = rank[at[element, node]]
+        sort = np.argsort(place, kind="stable")
+        found.append(_Corners(place[sort], element[sort], node[sort]))
+    return found
+
+
+def _bytes_per_corner(stress: SolidStress, corners: list[_Corners], n: int) -> int:
+    """Return the mean memory of n shapes per node of an element at a site."""
+    total, number = 0, 1
+    for group, own in zip(stress.model.groups, corners, strict=True):
         nq = len(table(group.kind, "stress", group.formulation).weights)
-        C = elasticity(model.materials[group.material])
-        step = max(1, BLOCK_BYTES // (8 * 6 * n * (nq + 3 * group.nodes.shape[1])))
-        for start in range(0, len(touching), step):
-            chosen = touching[start : start + step]
-            strains = np.empty((len(chosen) * nq, 6, n))
-            point_strains(model, group, chosen, X, strains)
-            own = np.matmul(
-                continuation(group.kind, group.formulation), strains.reshape(len(chosen), nq, 6 * n)
-            )
-            at = site[group.material][group.nodes[chosen]].ravel()
-            known = at >= 0
-            at = at[known]
-            away = C @ own.reshape(-1, 6, n)[known] - s[at]
-            _add(Q, at, MISES @ away)
-            count += np.bincount(at, minlength=len(few))
-    return Q / np.maximum(count, 1.0)[:, None, None]
+        # strain and stress at the points of each element, stress at its nodes; two copies of rows
+        total += len(np.unique(own.element)) * (11 * nq + 5 * group.nodes.shape[1])
+        total += 10 * len(own.rank)
+        number += len(own.rank)
+    return max(1, 8 * n * total // number)
 
 
-def _add(Q: Array, at: Array, A: Array) -> None:
-    """Add the product ``A_k^T A_k`` of each block A (m, 5, n) to the site of the block."""
-    order = np.argsort(at, kind="stable")
-    places, first, times = np.unique(at[order], return_index=True, return_counts=True)
-    for k in np.unique(times):
-        mine = np.flatnonzero(times == k)
-        rows = A[order[first[mine][:, None] + np.arange(k)]].reshape(len(mine), -1, A.shape[2])
-        Q[places[mine]] += np.swapaxes(rows, 1, 2) @ rows
+def _differences(
+    stress: SolidStress, corners: list[_Corners], X: Array, mean: Array, start: int
+) -> Array:
+    """Return ``s_e - s*`` (m, 5, n) of the elements around sites, site by site, as `MISES` numbers.
+
+    Parameters
+    ----------
+    stress, corners, X
+        See `place_scatter`.
+    mean : (k, 5, n) ndarray
+        The numbers of s* at the sites of ranks ``start`` to ``start + k - 1``.
+    """
+    n, model = X.shape[1], stress.model
+    at, rows = [], []
+    for group, all_ in zip(model.groups, corners, strict=True):
+        some = slice(*np.searchsorted(all_.rank, [start, start + len(mean)]))
+        elements, which = np.unique(all_.element[some], return_inverse=True)
+        nq = len(table(group.kind, "stress", group.formulation).weights)
+        strains = np.empty((len(elements) * nq, 6, n))
+        point_strains(model, group, elements, X, strains)
+        # five numbers at the points of the elements, and at their nodes
+        law = MISES @ elasticity(model.materials[group.material])
+        own = np.matmul(law, strains).reshape(len(elements), -1, 5 * n)
+        own = np.matmul(continuation(group.kind, group.formulation), own)
+        place = all_.rank[some] - start
+        at.append(place)
+        rows.append(own[which, all_.node[some]].reshape(-1, 5, n) - mean[place])
+    if len(rows) == 1:
+        return np.asarray(rows[0])
+    return np.concatenate(rows)[np.argsort(np.concatenate(at), kind="stable")]
+
+
+def _largest(A: Array, count: Ints, size: Array) -> Array:
+    """Return E (m, r, n) of m sites from the differences of all their elements, site by site.
+
+    With ``B = A diag(size) / sqrt(count)``, the rows of E are ``sqrt(mu) v^T / size``, where v are
+    the eigenvectors of ``B^T B``, or ``u^T B / size`` with the eigenvectors u of ``B B^T``,
+    whichever matrix is smaller.
+    """
+    n = A.shape[2]
+    out = np.zeros((len(count), min(ROWS, n), n))
+    first = np.cumsum(count) - count
+    for k in np.unique(count[count > 0]):
+        # sites with the same number of elements at once
+        mine = np.flatnonzero(count == k)
+        B = A[first[mine][:, None] + np.arange(k)].reshape(len(mine), 5 * k, n)
+        B *= size / np.sqrt(k)
+        if 5 * k < n:
+            _, u = _eigenvectors(B @ np.swapaxes(B, 1, 2))
+            rows = np.swapaxes(u, 1, 2) @ B
+        else:
+            mu, v = _eigenvectors(np.swapaxes(B, 1, 2) @ B)
+            rows = np.sqrt(np.maximum(mu, 0.0))[:, :, None] * np.swapaxes(v, 1, 2)
+        out[mine, : rows.shape[1]] = rows / size
+    return out
+
+
+def _eigenvectors(G: Array) -> tuple[Array, Array]:
+    """Return the r largest eigenvalues (m, r), descending, of matrices (m, d, d), and vectors."""
+    m, d = G.shape[:2]
+    r = min(ROWS, d)
+    if d <= DIVIDED:
+        mu, V = np.linalg.eigh(G)
+    else:
+        mu, V = np.empty((m, r)), np.empty((m, d, r))
+        for i, matrix in enumerate(G):
+            mu[i], V[i] = _last(matrix, r)
+    # ascending in LAPACK
+    return mu[:, : -r - 1 : -1], V[:, :, : -r - 1 : -1]
+
+
+def _last(G: Array, r: int) -> tuple[Array, Array]:
+    """Return the r largest eigenvalues (r,), ascending, of a matrix (d, d), and vectors (d, r)."""
+    d = len(G)
+    mu, V, _, _, failed = lapack.dsyevr(G, range="I", il=d - r + 1, iu=d, lower=1)
+    if failed:
+        mu, V = np.linalg.eigh(G)
+        return mu[-r:], V[:, -r:]
+    return mu[:r], V
