@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +16,7 @@ from jousto.base.errors import InputError
 from jousto.reduction.methods import CraigBampton, FreeFree
 from jousto.reduction.modes import eigen
 from jousto.reduction.reducer import reduce
-from jousto.reduction.sparse import backends, factor
+from jousto.reduction.sparse import backends, factor, mkl
 from jousto.reduction.sparse.factor import solvers
 from reduction.blocks import block
 
@@ -162,3 +166,56 @@ def test_a_library_that_fails_is_reported(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setitem(factor._KNOWN, "superlu", (known[0], Failing, *known[2:]))
     with pytest.raises(InputError, match=r"part: superlu could not factorise .*no room.*memory"):
         factor.factorise(held(), "part", label, solver="superlu")
+
+
+def test_the_library_is_found_without_a_search_of_folders() -> None:
+    """In a process of its own: without pypardiso and glob; folders are listed, not trees."""
+    pytest.importorskip("pypardiso")
+    code = """if True:
+        import sys
+        import numpy as np
+        import scipy.sparse as sp
+        from jousto.reduction.sparse.backends import Pardiso
+        seen = []
+        A = sp.csr_array(sp.diags_array([2.0, 4.0]))
+        sys.addaudithook(lambda event, about: seen.append(event))
+        print(np.round(Pardiso(A).solve(np.ones((2, 1))).ravel(), 12).tolist())
+        folders = seen.count("os.listdir") + seen.count("os.scandir")
+        print("pypardiso" in sys.modules, "glob.glob" in seen, folders < 20)
+    """
+    run = [sys.executable, "-c", code]
+    environment = {key: value for key, value in os.environ.items() if key != "PYPARDISO_MKL_RT"}
+    found = subprocess.run(run, env=environment, capture_output=True, text=True, check=True)
+    assert found.stdout.splitlines() == ["[0.5, 0.25]", "False False True"]
+
+
+def test_the_named_library_is_used(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """`PYPARDISO_MKL_RT` first; then folders, in which files that are no library are skipped."""
+    mkl.mkl_runtime.cache_clear()
+    monkeypatch.setenv("PYPARDISO_MKL_RT", str(tmp_path / "nothing.so"))
+    with pytest.raises(OSError, match=r"nothing\.so"):
+        mkl.mkl_runtime()
+    monkeypatch.delenv("PYPARDISO_MKL_RT")
+    (tmp_path / "lib").mkdir()
+    for name in ("libmkl_rt.so.3", "libmkl_rt.a", "libmkl_core.so.3"):
+        (tmp_path / "lib" / name).write_text("no library")
+    usual = sys.prefix
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    monkeypatch.setattr(sys, "base_prefix", usual)
+    assert mkl.runtime_files()[0] == tmp_path / "lib" / "libmkl_rt.so.3"
+    assert tmp_path / "lib" / "libmkl_rt.a" not in mkl.runtime_files()
+    pytest.importorskip("pypardiso")
+    assert mkl.mkl_runtime()["pardiso"]
+    mkl.mkl_runtime.cache_clear()
+
+
+def test_upper_triangle() -> None:
+    """Values, columns and row starts; a row without entries above the diagonal."""
+    rng = np.random.default_rng(0)
+    A = sp.csr_array(sp.random_array((30, 30), density=0.2, rng=rng))
+    A = sp.csr_array(A + A.T)
+    A.sort_indices()
+    values, columns, starts = backends.upper_triangle(A)
+    np.testing.assert_array_equal(
+        sp.csr_array((values, columns, starts), shape=A.shape).toarray(), np.triu(A.toarray())
+    )

@@ -96,24 +96,20 @@ class Multifrontal:
 class Pardiso:
     """PARDISO of Intel MKL: nested dissection, supernodal Cholesky factorisation.
 
-    The library is installed and located by pypardiso. The matrix is symmetric positive definite,
-    with its upper triangle and indices from 0.
+    The matrix is symmetric positive definite, with its upper triangle and indices from 0.
     """
 
     def __init__(
         self, matrix: sp.csr_array, points: Array | None = None, limit: float = np.inf
     ) -> None:
-        from pypardiso import PyPardisoSolver
+        from jousto.reduction.sparse.mkl import mkl_runtime
 
-        # own function object, so that pypardiso keeps its argument types
-        self._call: Any = PyPardisoSolver().libmkl["pardiso"]
+        # own function object, so that other users of the library keep their argument types
+        self._call: Any = mkl_runtime()["pardiso"]
         self._call.restype = None
         self._call.argtypes = [ctypes.c_void_p] * 16
-        upper = sp.csr_array(sp.triu(matrix, format="csr"))
         self._n = matrix.shape[0]
-        self._a = np.ascontiguousarray(upper.data)
-        self._ia = upper.indptr.astype(np.int32)
-        self._ja = upper.indices.astype(np.int32)
+        self._a, self._ja, self._ia = upper_triangle(matrix)
         self._pt = np.zeros(64, dtype=np.int64)
         self._iparm = np.zeros(64, dtype=np.int32)
         self._iparm[0] = 1  # use the values below
@@ -149,6 +145,18 @@ class Pardiso:
             raise MemoryError("PARDISO ran out of memory")
         if error:
             raise RuntimeError(f"PARDISO stopped with error {error} in phase {phase}")
+
+
+def upper_triangle(
+    matrix: sp.csr_array,
+) -> tuple[Array, NDArray[np.int32], NDArray[np.int32]]:
+    """Return values, column indices and row starts of the upper triangle of a sorted matrix."""
+    n = matrix.shape[0]
+    rows = np.repeat(np.arange(n, dtype=np.int32), np.diff(matrix.indptr))
+    kept = matrix.indices >= rows
+    indptr = np.zeros(n + 1, dtype=np.int32)
+    np.cumsum(np.bincount(rows[kept], minlength=n), out=indptr[1:])
+    return matrix.data[kept], matrix.indices[kept].astype(np.int32, copy=False), indptr
 
 
 def _pardiso(
