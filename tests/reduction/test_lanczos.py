@@ -10,7 +10,7 @@ import scipy.linalg
 import scipy.sparse as sp
 
 from jousto.base.errors import InputError
-from jousto.reduction.modes import lanczos
+from jousto.reduction.modes import eigen, lanczos
 
 
 def chain(n: int, seed: int = 3) -> tuple[np.ndarray, np.ndarray]:
@@ -142,3 +142,26 @@ def test_what_does_not_converge_is_refused() -> None:
         lanczos.lanczos(
             lambda y: y, sp.csc_array(sp.diags_array(k)), solve, 20, where="reduction of body"
         )
+
+
+def test_modes_that_are_orthogonal_are_multiplied_by_the_mass_once() -> None:
+    """Each product with M passes over all its entries: the last one gives mu, too."""
+    products = []
+
+    class Mass:
+        def __matmul__(self, X: np.ndarray) -> np.ndarray:
+            products.append(X.shape)
+            return np.arange(8.0, 0.0, -1.0)[:, None] * X
+
+    mass: Any = Mass()
+    mu, X = eigen.polish(np.eye(8)[:, ::-1], mass)
+    assert mu.tolist() == [8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0]
+    np.testing.assert_array_equal(X, np.eye(8))
+    assert len(products) == 1
+    # a rotation of two modes: one product to find it, one to see that nothing is left
+    products.clear()
+    turned = np.eye(8)
+    turned[:2, :2] = [[0.8, -0.6], [0.6, 0.8]]
+    mu, X = eigen.polish(turned, mass)
+    np.testing.assert_allclose(mu, np.arange(8.0, 0.0, -1.0), rtol=1e-14)
+    assert len(products) < 8

@@ -290,7 +290,7 @@ def _checksum(header: str, arrays: Arrays) -> str:
     for key in sorted(arrays):
         array = np.ascontiguousarray(arrays[key])
         digest.update(f"{key} {array.shape} {array.dtype.str}".encode())
-        digest.update(array.tobytes())
+        digest.update(array.data)
     return digest.hexdigest()
 
 

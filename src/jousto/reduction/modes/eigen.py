@@ -187,13 +187,14 @@ def polish(X: Array, M: sp.csr_array) -> tuple[Array, Array]:
         gap = mu[None, :] - mu[:, None]
         apart = np.abs(gap) > CLUSTER * scale
         if np.abs(np.where(apart, A / scale, 0.0)).max(initial=0.0) < 1e-14:
-            break
+            break  # A belongs to X
         theta = np.where(apart, 0.5 * np.arctan(2.0 * A / np.where(apart, gap, 1.0)), 0.0)
         half = 0.25 * (theta - theta.T)
         # Cayley transform, exactly orthogonal
         E = np.eye(len(mu))
         X = X @ np.linalg.solve(E - half, E + half)
-    mu = np.einsum("ij,ij->j", X, M @ X)
+    else:
+        mu = np.einsum("ij,ij->j", X, M @ X)
     order = np.argsort(-mu, kind="stable")
     return mu[order], X[:, order]
 
@@ -255,11 +256,10 @@ def canonical(
     for j in range(X.shape[1]):
         X[:, j] *= _sign(X[:, j], kind, length)
     # set components of round-off size to zero: they would grow in directions without stiffness
-    for rows in (kind < 3, kind >= 3):
-        block = X[rows]
-        X[rows] = np.where(
-            np.abs(block) < ROUND_OFF * np.abs(block).max(axis=0, initial=0.0), 0.0, block
-        )
+    nodal = np.abs(X).reshape(len(X) // dofs_per_node, dofs_per_node, X.shape[1])
+    for some in (slice(0, 3), slice(3, None)):
+        size = nodal[:, some]
+        X.reshape(nodal.shape)[:, some][size < ROUND_OFF * size.max(axis=(0, 1), initial=0.0)] = 0.0
     mu = np.einsum("ij,ij->j", X, M @ X)
     return mu, X
 

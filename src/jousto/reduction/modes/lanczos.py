@@ -143,7 +143,7 @@ def _iterate(
     )
     # a fixed start vector makes the result repeatable
     random = np.random.default_rng(20070607)
-    W = solve(apply(random.standard_normal((n, width))))
+    W = np.asfortranarray(solve(apply(random.standard_normal((n, width)))))
     W, BW, _ = _orthonormal(basis, W, B, np.zeros(width))
     basis.append(W, BW)
     new, near = W.shape[1], 0
@@ -151,7 +151,7 @@ def _iterate(
     while True:
         old = slice(basis.size - new, basis.size)
         F = apply(basis.Q[:, old])
-        W = solve(F)
+        W = np.asfortranarray(solve(F))
         Q, _ = basis.columns()
         T = Q.T @ F
         basis.T[: basis.size, old] = T
@@ -159,7 +159,7 @@ def _iterate(
         # B W = F
         before = np.sqrt(np.maximum(np.einsum("ij,ij->j", W, F), 0.0))
         # W reaches back only to the previous block (three-term recurrence)
-        W -= Q[:, near:] @ T[near:]
+        W -= _combined(Q[:, near:], T[near:])
         W, BW, R = _orthonormal(basis, W, B, before)
         full = not W.shape[1] or basis.size + W.shape[1] > n
         filled = basis.size + W.shape[1] > room
@@ -190,6 +190,11 @@ def _iterate(
         new = W.shape[1]
 
 
+def _combined(Q: Array, C: Array) -> Array:
+    """Return ``Q C``, column after column in memory like the basis."""
+    return np.asarray((C.T @ Q.T).T)
+
+
 def _require(found: int, count: int, where: str) -> None:
     """Raise InputError if not all frequencies have converged."""
     if found < count:
@@ -214,12 +219,12 @@ def _orthonormal(
     # repeat if little remains, since the remainder then contains round-off
     for _ in range(3 if basis.size else 0):
         C = BQ.T @ W
-        W -= Q @ C
+        W -= _combined(Q, C)
         # in the norm of B, the columns of Q C have the same lengths as the columns of C
         if np.all(np.linalg.norm(C, axis=0) < SMALL * before):
             break
     # explicit product, since errors of a recurrence would grow from block to block
-    BW = np.asarray(B @ W)
+    BW = np.asfortranarray(B @ W)
     kept: list[int] = []
     R = np.zeros((W.shape[1], W.shape[1]))
     for k in range(W.shape[1]):
@@ -234,6 +239,8 @@ def _orthonormal(
             BW[:, k] /= length
             R[k, k] = length
             kept.append(k)
+    if len(kept) == len(R):
+        return W, BW, R
     return W[:, kept], BW[:, kept], R[kept]
 
 

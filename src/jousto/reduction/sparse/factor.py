@@ -172,7 +172,8 @@ class Factor:
     def __call__(self, f: Array, /) -> Array:
         """Return x for right-hand sides f (n,) or (n, m)."""
         columns = f.reshape(len(f), -1)
-        out = np.empty(columns.shape)
+        # column after column, as most libraries need and return them
+        out = np.empty(columns.shape, order="F")
         for k in range(0, columns.shape[1], BLOCK):
             part = slice(k, min(k + BLOCK, columns.shape[1]))
             out[:, part] = self._backend.solve(self._scale[:, None] * columns[:, part])
