@@ -86,17 +86,12 @@ engine: $(VENV)/.made  ## the C engine, built into src/jousto/model/native/lib
 demo: $(VENV)/.made  ## the flexible pendulum against its reference; plot and animation in out/
 	@$(PY) $(EXAMPLE)
 
-bench: $(VENV)/.bench  ## speed side by side with EXUDYN and Pinocchio
-	@$(PY) benchmarks/speed.py
-	@$(PY) benchmarks/mechanisms.py
-	@$(PY) benchmarks/beams.py
-	@$(PY) benchmarks/overhead.py
+bench: $(VENV)/.bench  ## speed beside EXUDYN, MuJoCo and Pinocchio: ten minutes; fills in the pages
+	@$(PY) benchmarks/run.py
 
-BENCHES := $(addprefix bench-,speed mechanisms beams overhead)
-.PHONY: bench-short $(BENCHES)
-bench-short: $(BENCHES)  ## the same with the smallest cases: that all of it still runs
-$(BENCHES): bench-%: $(VENV)/.bench
-	@$(PY) benchmarks/$*.py short
+.PHONY: bench-short
+bench-short: $(VENV)/.bench  ## the same with the smallest cases: that all of it still runs
+	@$(PY) benchmarks/run.py short
 
 # the page of the viewer: with the Node of this computer, else with that of a Python package; who has
 # neither can do everything but look into a browser

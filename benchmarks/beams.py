@@ -106,7 +106,7 @@ def table(elements: int) -> None:
         line(f"jousto {name}", cost, elements, error, half)
     falls = strip(LEANING)
     steps = {10: 16, 100: 8, 1000: 4}[elements]
-    other = peer.run(peer.spatial, falls, elements, H / steps, end, True).tip
+    other = peer.run(peer.spatial, falls, elements, H / steps, end, True, tolerance=peer.TIGHT).tip
     theirs: list[tuple[float, float]] = []
     for modified in (False, True):
         if not modified and elements > 100:
@@ -160,7 +160,9 @@ def meshes() -> None:
             )
             for b in (False, True)
         ]
-        other = peer.run(peer.spatial, strip(LEANING), elements, H / 8, end, True).tip
+        other = peer.run(
+            peer.spatial, strip(LEANING), elements, H / 8, end, True, tolerance=peer.TIGHT
+        ).tip
         print(f"{elements:10d}{errors[0]:10.4f}{errors[1]:10.4f}{distance(other, fine):10.4f}")
 
 

@@ -52,13 +52,15 @@ CHAINS = tuple(
 )
 
 
-def beam(modes: int) -> jo.ReducedPart:
-    """One beam with its lowest `modes` modes, lumped mass with rotary inertia."""
+def beam(modes: int, young: float | None = None) -> jo.ReducedPart:
+    """One beam with its lowest `modes` modes, lumped mass with rotary inertia; `young`: Pa."""
+    if young is None:
+        young = max(e for n, e in YOUNG.items() if n >= modes)
     part = jo.Part.beam(
         length=LENGTH,
         section=jo.Rectangle(0.03, 0.04),
         elements=max(ELEMENTS, modes // 4),
-        material=jo.Material(E=max(e for n, e in YOUNG.items() if n >= modes), nu=0.3, rho=7850.0),
+        material=jo.Material(E=young, nu=0.3, rho=7850.0),
         lumped=True,
     )
     return jo.reduce(part, jo.FreeFree(modes=modes))

@@ -46,10 +46,10 @@ def chain(
     return jo.Mechanism(*items, jo.Gravity(GRAVITY))
 
 
-def elastic_chains(rounds: int) -> None:
+def elastic_chains(rounds: int, counts: tuple[int, ...]) -> None:
     print("| elastic joints | method | joint | maximal | ratio | rigid joints |")
     print("|---|---|---|---|---|---|")
-    for count in (6, 12, 24, 48):
+    for count in counts:
         whole, bare = chain(count), jo.compile(chain(count, elastic=False), core="joint")
         pair = [jo.compile(whole, core=core) for core in ("joint", "maximal")]
         for method, name in METHODS:
@@ -58,12 +58,12 @@ def elastic_chains(rounds: int) -> None:
             print(f"| {count} | {name} | {joint:.1f} | {maximal:.1f} | {ratio:.1f} | {rigid:.1f} |")
 
 
-def flexible_links(rounds: int) -> None:
+def flexible_links(rounds: int, sizes: tuple[int, ...]) -> None:
     """One flexible link of six, then six; the rigid chain and one free flexible link."""
     print("| modes | method | one: joint | maximal | all six: maximal | none: joint | one alone |")
     print("|---|---|---|---|---|---|---|")
     rigid = jo.compile(chain(6, elastic=False), core="joint")
-    for modes in (4, 10, 20):
+    for modes in sizes:
         one, every = (chain(6, False, which, modes) for which in ((2,), tuple(range(6))))
         models = [jo.compile(one, core=core) for core in ("joint", "maximal")]
         models += [jo.compile(every), rigid]
@@ -77,10 +77,11 @@ def flexible_links(rounds: int) -> None:
 
 
 def main() -> None:
-    rounds = 20 if "quick" in sys.argv else 100
-    elastic_chains(rounds)
+    short = "short" in sys.argv
+    rounds = 2 if short else 20 if "quick" in sys.argv else 100
+    elastic_chains(rounds, (6,) if short else (6, 12, 24, 48))
     print()
-    flexible_links(rounds)
+    flexible_links(rounds, (4,) if short else (4, 10, 20))
 
 
 if __name__ == "__main__":

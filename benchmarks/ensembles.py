@@ -1,6 +1,6 @@
 """Machines of one structure side by side in the lanes of a vector, against one after the other.
 
-.venv/bin/python benchmarks/ensembles.py
+.venv/bin/python benchmarks/ensembles.py [short]
 
 Each figure is the least processor time of several runs; both kinds take turns.
 """
@@ -8,6 +8,7 @@ Each figure is the least processor time of several runs; both kinds take turns.
 from __future__ import annotations
 
 import os
+import sys
 import time
 import warnings
 from dataclasses import replace
@@ -18,6 +19,7 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 
 import jousto as jo
+import trees
 from cases import Case, beam, mechanism
 from jousto.model.native import library
 from jousto.model.native.ensemble import Ensemble, machines
@@ -67,6 +69,9 @@ def main() -> None:
     }
     chain = next(c for c in RIGID_CHAINS if c.bodies == 10 and c.joint == "revolute")
     table["10 rigid links"] = rigid_chain(chain)
+    rounds = ROUNDS
+    if "short" in sys.argv:
+        rounds, table = 1, dict([table.popitem()])
     builds = dict(library.LANES)
     for build, level in builds.items():
         if library._level() < level:
@@ -80,7 +85,7 @@ def main() -> None:
             models = [varied(model, k) for k in range(machines())]
             for solver in (jo.RK4(step=H), jo.ROS2(step=H)):
                 least = [np.inf, np.inf]
-                for _ in range(ROUNDS):
+                for _ in range(rounds):
                     alone, rows = one_by_one(models, solver)
                     shared, same = together(models, solver)
                     least = [min(least[0], alone), min(least[1], shared)]
@@ -95,6 +100,30 @@ def main() -> None:
                     f"   gain {each[0] / each[1]:5.2f}   apart {apart:.0e}",
                     flush=True,
                 )
+    alone = trees.ours(jo.compile(trees.mechanism(trees.chain("hinge", 10))), "rk4", rounds)
+    print(f"10 rigid links, RK4, alone in joint coordinates {alone:.2f}")
+    print(f"10 rigid links, RK4, MuJoCo's rollout on one thread {rollout(rounds):.2f}")
+
+
+def rollout(rounds: int, count: int = 8) -> float:
+    """Microseconds of a step of one of MuJoCo's machines in a batch, each at another speed."""
+    import mujoco as mj
+    from mujoco.rollout import rollout as run
+
+    model = mj.MjModel.from_xml_string(trees.mujoco_text(trees.chain("hinge", 10)))
+    model.opt.timestep = H
+    data, kind, states = mj.MjData(model), mj.mjtState.mjSTATE_FULLPHYSICS, []
+    for k in range(count):
+        data.qvel[:] = 0.01 * k
+        state = np.zeros(mj.mj_stateSize(model, kind))
+        mj.mj_getState(model, data, state, kind)
+        states.append(state)
+    best = np.inf
+    for _ in range(rounds):
+        start = time.process_time()
+        run(model, data, np.array(states), nstep=STEPS)
+        best = min(best, time.process_time() - start)
+    return 1e6 * float(best) / (STEPS * count)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import exudyn_peer as peer
+import exudyn_tree
 import machines
+import trees
 from cases import GRAVITY, LENGTH
 from exudyn_peer import TURN_Z_TO_Y, eii, exu
 from machines import CENTER, INERTIA, MASS, PIVOT, RAIL, Link, RigidChain
@@ -157,41 +159,7 @@ def rigid_chain(case: RigidChain) -> tuple[Any, Any]:
 
 def tree(case: RigidChain) -> tuple[Any, Any]:
     """The chain with revolute joints in joint angles: EXUDYN's kinematic tree."""
-    mbs = exu.SystemContainer().AddSystem()
-    n = case.bodies
-    node = mbs.AddNode(
-        eii.NodeGenericODE2(
-            numberOfODE2Coordinates=n,
-            referenceCoordinates=[0.0] * n,
-            initialCoordinates=[0.0] * n,
-            initialCoordinates_t=[0.0] * n,
-        )
-    )
-    kinds = (exu.JointType.RevoluteZ, exu.JointType.RevoluteY)
-    offsets = [np.array([LENGTH if k else 0.0, 0.0, 0.0]) for k in range(n)]
-    body = mbs.AddObject(
-        eii.ObjectKinematicTree(
-            nodeNumber=node,
-            gravity=list(GRAVITY),
-            jointTypes=[kinds[k % 2] for k in range(n)],
-            linkParents=list(range(-1, n - 1)),
-            jointTransformations=exu.Matrix3DList([np.eye(3)] * n),
-            jointOffsets=exu.Vector3DList(offsets),
-            linkInertiasCOM=exu.Matrix3DList([np.diag(INERTIA)] * n),
-            linkCOMs=exu.Vector3DList([np.array(CENTER)] * n),
-            linkMasses=[MASS] * n,
-        )
-    )
-    tip = mbs.AddSensor(
-        eii.SensorKinematicTree(
-            objectNumber=body,
-            linkNumber=n - 1,
-            localPosition=[LENGTH, 0.0, 0.0],
-            storeInternal=True,
-            outputVariableType=exu.OutputVariableType.Position,
-        )
-    )
-    return mbs, tip
+    return exudyn_tree.tree(trees.chain("hinge", case.bodies))
 
 
 def slider_crank() -> tuple[Any, Any]:
@@ -230,24 +198,25 @@ def four_bar() -> tuple[Any, Any]:
 def runner(
     mbs: Any, tip: Any, times: Array, *, dense: bool, explicit: bool = False
 ) -> Callable[..., Run]:
-    """Return a function (h, repeats=1) -> Run; generalised alpha, or classical Runge-Kutta.
+    """Return a function (h, repeats=1, tolerance=1e-8) -> Run of generalised alpha or Runge-Kutta.
 
     Modified Newton is the faster choice; full Newton where it fails.
     """
     mbs.Assemble()
 
-    def run(h: float, repeats: int = 1) -> Run:
+    def run(h: float, repeats: int = 1, tolerance: float = peer.DEFAULT) -> Run:
         try:
-            return attempt(h, repeats, True)
+            return attempt(h, repeats, True, tolerance)
         except exu.SolverError:
-            return attempt(h, repeats, False)
+            return attempt(h, repeats, False, tolerance)
 
-    def attempt(h: float, repeats: int, modified: bool) -> Run:
+    def attempt(h: float, repeats: int, modified: bool, tolerance: float) -> Run:
         s = exu.SimulationSettings()
         s.timeIntegration.numberOfSteps = round(times[-1] / h)
         s.timeIntegration.endTime = times[-1]
         s.timeIntegration.verboseMode = 0
         s.timeIntegration.newton.useModifiedNewton = modified
+        s.timeIntegration.newton.relativeTolerance = tolerance
         s.solutionSettings.writeSolutionToFile = False
         s.solutionSettings.sensorsWritePeriod = times[0]
         s.solutionSettings.solutionWritePeriod = times[-1]

@@ -186,13 +186,31 @@ def model(case: Case, reduced: Any) -> tuple[Any, int]:
     return mbs, tip
 
 
-def settings(case: Case, h: float, t_end: float, modified_newton: bool) -> Any:
-    """Generalised alpha, index 3, default tolerances, one thread, nothing written."""
+DEFAULT = 1e-8  # its own relative tolerance of Newton's iteration
+LOOSER = (1e-4, 1e-5, 1e-6)
+LIKE = 1.1  # errors within this factor are alike
+
+
+def loosest(error: Callable[[float], float]) -> float:
+    """Loosest tolerance whose error(tolerance) is that of the default one, to within `LIKE`."""
+    allowed = LIKE * error(DEFAULT)
+    for tolerance in LOOSER:
+        with contextlib.suppress(exu.SolverError, RuntimeError):
+            if error(tolerance) <= allowed:
+                return tolerance
+    return DEFAULT
+
+
+def settings(
+    case: Case, h: float, t_end: float, modified_newton: bool, tolerance: float = DEFAULT
+) -> Any:
+    """Generalised alpha, index 3, one thread, nothing written."""
     s = exu.SimulationSettings()
     s.timeIntegration.numberOfSteps = round(t_end / h)
     s.timeIntegration.endTime = t_end
     s.timeIntegration.verboseMode = 0
     s.timeIntegration.newton.useModifiedNewton = modified_newton
+    s.timeIntegration.newton.relativeTolerance = tolerance
     s.solutionSettings.writeSolutionToFile = False
     s.solutionSettings.sensorsWritePeriod = case.times[0]
     s.solutionSettings.solutionWritePeriod = t_end
@@ -220,8 +238,8 @@ def build(case: Case, reduced: Any, *, modified_newton: bool = False) -> Callabl
     """Return a function (h, t_end, repeats=1) -> Run of this case."""
     mbs, tip = model(case, reduced)
 
-    def run(h: float, t_end: float, repeats: int = 1) -> Run:
-        s = settings(case, h, t_end, modified_newton)
+    def run(h: float, t_end: float, repeats: int = 1, tolerance: float = DEFAULT) -> Run:
+        s = settings(case, h, t_end, modified_newton, tolerance)
         best, newton = np.inf, 0.0
         for _ in range(repeats):
             begin = time.process_time()  # not slowed by what else the machine does

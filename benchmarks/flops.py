@@ -111,7 +111,7 @@ class Counter:
         (folder / "count.cpp").write_text('extern "C" { long long jo_flops = 0; }\n')
         target = folder / "counting.so"
         files = [str(path) for path in folder.glob("*.cpp")]
-        flags = ["-O2", "-w", "-fpermissive", "-Drestrict=__restrict__", "-shared", "-fPIC"]
+        flags = ["-O0", "-w", "-fpermissive", "-Drestrict=__restrict__", "-shared", "-fPIC"]
         built = subprocess.run(
             ["c++", *flags, *files, "-o", str(target), "-lm"], capture_output=True, text=True
         )

@@ -1,11 +1,12 @@
 """What friction adds to an evaluation of the accelerations, against the same machine without it.
 
-.venv/bin/python benchmarks/friction.py
+.venv/bin/python benchmarks/friction.py [short]
 """
 
 from __future__ import annotations
 
 import os
+import sys
 import time
 import warnings
 
@@ -67,10 +68,10 @@ def slider_crank(law: jo.mechanism.Regularised | jo.mechanism.StickSlip | None) 
     )
 
 
-def evaluation(machine: jo.Mechanism) -> float:
+def evaluation(machine: jo.Mechanism, rounds: int) -> float:
     """Microseconds of an evaluation within steps of RK4, least of many."""
     model, best = jo.compile(machine), np.inf
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         engine = jo.model.Engine(model)
         engine.assemble()
         solver = engine.native_solver("rk4", H, True)
@@ -87,15 +88,16 @@ def evaluation(machine: jo.Mechanism) -> float:
 def main() -> None:
     """Measure and print."""
     warnings.simplefilter("ignore")
+    rounds = 1 if "short" in sys.argv else ROUNDS
     cases = {f"{n} links, {n} frictions": lambda law, n=n: pendulum(n, law) for n in (1, 5, 50)}
     cases["slider-crank, 1 friction"] = slider_crank
     print(f"{'microseconds an evaluation':28s} {'without':>9s}", end="")
     print("".join(f"{law:>12s} {'ratio':>6s}" for law in LAWS))
     for name, make in cases.items():
-        without = evaluation(make(None))
+        without = evaluation(make(None), rounds)
         print(f"{name:28s} {without:9.2f}", end="")
         for law in LAWS.values():
-            rubbed = evaluation(make(law))
+            rubbed = evaluation(make(law), rounds)
             print(f"{rubbed:12.2f} {rubbed / without:6.2f}", end="")
         print(flush=True)
 

@@ -3,11 +3,12 @@
     .venv/bin/python benchmarks/instructions.py [WORDS]
     .venv/bin/python benchmarks/instructions.py --against PYTHON [WORDS]
 
-WORDS choose the machines whose names contain one of them. PYTHON is the interpreter of another tree
-of jousto: both engines step the machines that this file declares, and the program ends with status
-1 if one of them became slower by more than 1 %. A count does not depend on what else the computer
-does and repeats to 3e-4 for the smallest machine, to 1e-5 for most: it finds what a clock cannot.
-It contains no cache misses and no instructions that wait for each other.
+WORDS choose the machines whose names contain one of them; `short` is the smallest one. PYTHON is
+the interpreter of another tree of jousto: both engines step the machines that this file declares,
+and the program ends with status 1 if one of them became slower by more than 1 %. A count does not
+depend on what else the computer does and repeats to 3e-4 for the smallest machine, to 1e-5 for
+most: it finds what a clock cannot. It contains no cache misses and no instructions that wait for
+each other.
 
 The Python program runs in valgrind and is counted only while the engine steps, once for few steps
 and once for more: the difference contains no Python. Needs cc and valgrind with its header.
@@ -20,6 +21,7 @@ import ctypes
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -178,6 +180,10 @@ def main() -> None:
     if given.step:
         step_all(given.words, given.step)
         return
+    if not shutil.which("valgrind"):
+        sys.exit(0 if given.words == ["short"] else "valgrind is not installed")
+    if given.words == ["short"]:
+        given.words = ["pendulum, spherical, n = 2"]
     counts = counted(sys.executable, given.words)
     if given.json:
         given.json.write_text(json.dumps(counts, indent=1) + "\n")

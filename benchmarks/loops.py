@@ -1,6 +1,6 @@
 """Loops of rigid bodies in both cores: microseconds of a step, and how far results are apart.
 
-    .venv/bin/python benchmarks/loops.py [quick]
+    .venv/bin/python benchmarks/loops.py [quick | short]
 
 One step of classical Runge-Kutta, whose four evaluations and the closing of the loops are all it
 costs. Both cores take turns in one run; the least of many is given.
@@ -98,7 +98,7 @@ def compared(mechanism: Any, repeats: int) -> tuple[float, float, float]:
 
 
 def main() -> None:
-    repeats = 4 if "quick" in sys.argv else 20
+    repeats = 1 if "short" in sys.argv else 4 if "quick" in sys.argv else 20
     print(f"{'machine':22s}   joint maximal   ratio   apart")
     machines = {
         "planar four-bar": four_bar(),

@@ -31,7 +31,7 @@ H = 1e-3  # s
 STEPS = 11
 
 
-def least(once: Callable[[], object], seconds: float = 2.0) -> float:
+def least(once: Callable[[], object], seconds: float = 1.0) -> float:
     """Least processor time in s of many calls, after one that is not counted."""
     once()
     best, begin, count = float("inf"), time.monotonic(), 0

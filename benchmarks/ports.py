@@ -54,11 +54,12 @@ def costs(models: list[Any], method: str, rounds: int) -> list[float]:
 
 
 def main() -> None:
-    rounds = 20 if "quick" in sys.argv else 100
+    short = "short" in sys.argv
+    rounds = 2 if short else 20 if "quick" in sys.argv else 100
     boom = jo.compile(machine(0))
     print("| rigid links | method | joint | maximal | ratio | boom alone |")
     print("|---|---|---|---|---|---|")
-    for count in (2, 3, 6, 10, 20):
+    for count in (2, 3, 6, 10, 20)[: 1 if short else None]:
         pair = [jo.compile(machine(count), core=core) for core in ("joint", "maximal")]
         for method, name in (("rk4", "RK4"), ("ros2", "ROS2")):
             joint, maximal, alone = costs([*pair, boom], method, rounds)
