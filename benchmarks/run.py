@@ -34,9 +34,9 @@ PROGRAMS: dict[str, tuple[str, ...]] = {
     "implicit": ("quick",),
     "friction": (),
     "loops": ("quick",),
-    "ports": (),
+    "ports": ("quick",),
     "coordinates": (),
-    "elastic_joints": (),
+    "elastic_joints": ("quick",),
     "overhead": (),
     "ensembles": (),
 }
