@@ -437,6 +437,7 @@ typedef struct {
     double alpha, beta;     /* Baumgarte, 1/s: C'' + 2 alpha C' + beta^2 C = 0; 0: off */
     double alpha_m, alpha_f, newmark_beta, newmark_gamma;   /* alpha */
     double tolerance;       /* alpha: relative size of the last increment, 0: fixed number of iterations; dopri: relative error of a step */
+    double error_share;     /* alpha: size of the last increment relative to the error of the step, where that is larger; 0: not used */
     double absolute;        /* dopri: absolute error of a step, m and m/s; of rotations: this / size of the mechanism */
     double largest;         /* dopri: largest step, s; 0: no limit */
     double first;           /* dopri: first step, s; 0: automatic */

@@ -48,6 +48,12 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row);
 /* step_generalized_alpha.c */
 int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);   /* one step of length s->step */
 
+/* iteration_limit.c */
+void jo_iteration_limit_forget(jo_data *d);
+double jo_iteration_ahead(const jo_model *m, const jo_data *d, const jo_solver *s);
+double jo_iteration_limit(const jo_model *m, jo_data *d, const jo_solver *s);
+void jo_iteration_limit_update(const jo_model *m, jo_data *d, const jo_solver *s);
+
 /* step_dormand_prince.c */
 int jo_step_pair(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
 int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s);   /* one step of length s->step */

@@ -45,6 +45,9 @@ typedef struct {
 typedef struct {
     jo_real *algorithmic, *end_a, *end_q, *end_v, *end_lam;   /* algorithmic and true accelerations, then the state */
     jo_real *end_time;      /* (1) */
+    jo_real *change, *first_change, *change_lam;   /* changes of the algorithmic accelerations in the last step, and in that before a
+                                                    * window of steps; of the multipliers in the last step */
+    jo_real *estimate;      /* (4) of iteration_limit.c */
     jo_real *whole;         /* (nv + nrow) the increment that is being shortened */
     jo_weights weights;     /* weights with which N was factored */
     double aged;            /* largest rotation of a body since the factorisation, rad */

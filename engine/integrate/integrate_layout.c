@@ -11,6 +11,10 @@ void jo_integrate_layout_state(const jo_model *m, jo_data *d, jo_arena *a)
     w->end_v = jo_take_reals(a, m->nv + m->nstate);
     w->end_lam = jo_take_reals(a, m->nrow);
     w->end_time = jo_take_reals(a, 1);
+    w->change = jo_take_reals(a, m->nv + m->nstate);
+    w->first_change = jo_take_reals(a, m->nv + m->nstate);
+    w->change_lam = jo_take_reals(a, m->nrow);
+    w->estimate = jo_take_reals(a, 4);
 }
 
 static void lay_adaptive(const jo_model *m, jo_adaptive *w, jo_arena *a)

@@ -14,6 +14,7 @@
 #include "newton/newton.h"
 #include "beam/beam.h"
 #include "integrate/integrate.h"
+#include "integrate/acceleration_size.h"
 
 #define JO_SLOW_GAIN 0.1        /* ratio of successive increments above which stored factors are renewed */
 /* rotation of a body, rad, since the computation of the factors, up to which they are used to close its joints */
@@ -30,23 +31,12 @@
 #ifdef JO_COMPLEX
 enum { JO_AFTER = 1 };    /* iterations after convergence: derivatives (imaginary parts) converge one iteration later */
 enum { JO_KEEP = 0 };     /* no modified Newton method, since derivatives need the exact matrix */
+enum { JO_LOOSE = 0 };    /* no limit by the error of the step, which does not bound the error of derivatives */
 #else
 enum { JO_AFTER = 0 };
 enum { JO_KEEP = 1 };
+enum { JO_LOOSE = 1 };
 #endif
-
-/* square of accelerations x in the norm of the masses: m R''^2 + J w'^2 + p''^2 */
-static double size_of(const jo_model *m, const jo_data *d, int body, const jo_real *x)
-{
-    const jo_body *b = &m->body[body];
-    double sum = 0.0;
-    for (int j = 0; j < 3; j++) {
-        const double R = JO_RE(x[j]), w = JO_RE(x[3 + j]);
-        sum += JO_RE(b->mass[0]) * R * R + JO_RE(d->body[body].J[j]) * w * w;
-    }
-    for (int j = 6; j < 6 + b->n; j++) sum += JO_RE(x[j]) * JO_RE(x[j]);
-    return sum;
-}
 
 /* square of the reference of increments: accelerations without gravity, elastic forces, and a share of the accelerations that stop all
  * bodies within one step, v / h */
@@ -56,7 +46,7 @@ static double reference(const jo_model *m, const jo_data *d, double h)
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         const jo_real *a = d->a + b->iv;
-        sum += JO_STOPPING_SHARE2 / (h * h) * size_of(m, d, i, d->v + b->iv);
+        sum += JO_STOPPING_SHARE2 / (h * h) * jo_acceleration_size(m, d, i, d->v + b->iv);
         for (int j = 0; j < 3; j++) {
             const double R = JO_RE(a[j] - m->gravity[j]), w = JO_RE(a[3 + j]);
             sum += JO_RE(b->mass[0]) * R * R + JO_RE(d->body[i].J[j]) * w * w;
@@ -111,8 +101,8 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
     double change = 0.0, scale = 0.0;
     for (int i = 0; i < d->nw; i++) d->dq[i] = d->a[i] - d->alpha.end_a[i];
     for (int i = 0; i < m->nbody; i++) {
-        change += size_of(m, d, i, d->dq + m->body[i].iv);
-        scale += size_of(m, d, i, d->alpha.end_a + m->body[i].iv);
+        change += jo_acceleration_size(m, d, i, d->dq + m->body[i].iv);
+        scale += jo_acceleration_size(m, d, i, d->alpha.end_a + m->body[i].iv);
     }
     const double part = status == JO_OK && change < scale ? 1.0 : 0.0;
     for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
@@ -230,18 +220,21 @@ static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const j
         right_hand_side(m, d, &stage->weights, 0);
         jo_newton_solve(m, d);
         double next = 0.0;
-        for (int i = 0; i < m->nbody; i++) next += size_of(m, d, i, solution_of(m, d, i));
+        for (int i = 0; i < m->nbody; i++) next += jo_acceleration_size(m, d, i, solution_of(m, d, i));
         if (sqrt(next) <= (1.0 - 0.5 * share) * size) return share;
     }
     return 0.0;
 }
 
 /* Newton's method for one step from q0, v0: accelerations in a, algorithmic accelerations in rate. Converged if the increment, or its
- * estimate by the rate of convergence, is below tolerance times reference, or if it is round-off. */
-static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, int damped)
+ * estimate by the rate of convergence, is below tolerance times reference, or if it is round-off, or if the increment is small beside the
+ * error of the step and the next one, by the rate of convergence, far smaller; `close` is then 1: the last residual and power are as
+ * accurate as the step. */
+static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, int damped, int *close)
 {
     const int most_iterations = (damped ? JO_DAMPED_ITERATIONS : 1) * s->iterations + JO_AFTER;
     double before = 0.0, elastic = INFINITY;   /* smallest beam forces of all iterates, since a single iterate may have too large ones */
+    double limit = 0.0;   /* of increments, by the error of the step */
     int after = -1;
     for (int k = 0; k < most_iterations; k++) {
         update_state(m, d, s);
@@ -258,7 +251,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
         double size = 0.0, most = -1.0;
         int rounding = renewed;   /* whether all increments are below the resolution of the positions */
         for (int i = 0; i < m->nbody; i++) {
-            const double part = size_of(m, d, i, solution_of(m, d, i));
+            const double part = jo_acceleration_size(m, d, i, solution_of(m, d, i));
             size += part;
             if (rounding) rounding = part <= resolution(m, d, &stage->weights, i);
             if (!(part <= most)) { most = part; d->error_index = i; }
@@ -266,11 +259,14 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
         add_solution(m, d, &stage->weights, jo_newton_vector(d), 1.0);
         size = sqrt(size);
         if (!isfinite(size)) return JO_NO_CONVERGENCE;
+        if (JO_LOOSE && k == 0 && !damped) limit = jo_iteration_limit(m, d, s);
+        const double gain = before > 0.0 ? size / before : 1.0;
+        *close = k && size <= limit && size * gain <= JO_SLOW_GAIN * (1.0 - gain) * limit && limit > 0.0;
+        if (*close) return JO_OK;
         double beam_forces = 0.0;
         for (int i = 0; i < m->nbeam; i++) beam_forces += jo_beam_force_norm(m, d, i);
         if (beam_forces < elastic) elastic = beam_forces;
         const double work = sqrt(reference(m, d, s->step) + elastic), small = s->tolerance * work;
-        const double gain = before > 0.0 ? size / before : 1.0;
         if (s->tolerance <= 0.0) {   /* a fixed number of iterations */
             if (k + 1 == s->iterations) return JO_OK;
             continue;
@@ -342,12 +338,18 @@ static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
     return JO_OK;
 }
 
-/* work of the step by the trapezoidal rule, with forces and multipliers at its start and end */
-static int finish_work(const jo_model *m, jo_data *d, double h)
+/* work of the step by the trapezoidal rule, with forces and multipliers at its start and end; close: the power is that of the last
+ * iteration, and only the motion of bodies and markers is computed */
+static int finish_work(const jo_model *m, jo_data *d, double h, int close)
 {
-    const int status = jo_residual(m, d, d->acc);
-    if (status != JO_OK) return status;
-    d->counts.evaluations++;
+    if (!close) {
+        const int status = jo_residual(m, d, d->acc);
+        if (status != JO_OK) return status;
+        d->counts.evaluations++;
+    } else {
+        jo_real unused[2];
+        jo_residuals(m, d, unused);
+    }
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->lam[m->joint[i].row + r];
     d->power.forces += m->nline ? jo_joint_power(m, d) : 0.0;
@@ -373,14 +375,31 @@ static double fastest_turn(const jo_model *m, const jo_data *d)
     return sqrt(square);
 }
 
-/* prediction: algorithmic acceleration and multipliers of the last step */
-static void predict(const jo_model *m, jo_data *d, const jo_solver *s)
+/* prediction: algorithmic acceleration and multipliers of the last step, plus their last change times `ahead` */
+static void predict(const jo_model *m, jo_data *d, const jo_solver *s, double ahead)
 {
-    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->alpha.end_lam[i];
+    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->alpha.end_lam[i] + ahead * d->alpha.change_lam[i];
     for (int i = 0; i < d->nw; i++) {
-        d->rate[i] = d->alpha.algorithmic[i];
-        d->a[i] = (d->alpha.algorithmic[i] - s->alpha_f * d->alpha.end_a[i]) / (1.0 - s->alpha_f);
+        const jo_real more = ahead * d->alpha.change[i];
+        d->rate[i] = d->alpha.algorithmic[i] + more;
+        d->a[i] = (d->alpha.algorithmic[i] + (1.0 - s->alpha_m) * more - s->alpha_f * d->alpha.end_a[i]) / (1.0 - s->alpha_f);
     }
+}
+
+/* end of a step whose iteration has converged: state, history, work, projection */
+static int accept(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, int close)
+{
+    int status = JO_OK;
+    update_state(m, d, s);
+    if (m->nstate) status = jo_residual_at(m, d, stage, d->acc);   /* states of the forces after the last increment */
+    jo_iteration_limit_update(m, d, s);
+    for (int i = 0; i < d->nw; i++) {
+        d->alpha.algorithmic[i] = d->rate[i];
+        d->alpha.end_a[i] = d->a[i];
+    }
+    for (int i = 0; i < m->nrow; i++) d->alpha.end_lam[i] = d->lam[i];
+    if (status == JO_OK) status = finish_work(m, d, s->step, close);
+    return status == JO_OK && s->projection && m->njoint ? close_joints(m, d, stage) : status;
 }
 
 static int step(const jo_model *m, jo_data *d, const jo_solver *s)
@@ -391,6 +410,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
                                 !s->projection, s->plain_inertia};
     if (!continues(m, d, h)) {
         jo_history_begins(d);
+        jo_iteration_limit_forget(d);
         const int status = restart(m, d, s);
         if (status != JO_OK) return status;
     }
@@ -403,9 +423,9 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
     for (int i = 0; i < d->nw; i++) d->v0[i] = d->v[i];
     d->time[0] = t0 + h;
     d->alpha.aged += h * fastest_turn(m, d);
-    predict(m, d, s);
+    predict(m, d, s, JO_LOOSE ? jo_iteration_ahead(m, d, s) : 0.0);
     const long long passed = d->counts.singular;
-    int status = newton(m, d, s, &stage, 0);
+    int close = 0, status = newton(m, d, s, &stage, 0, &close);
     /* without convergence: repeat with new factors in every iteration, then with shortened increments (kinks) */
     const int tries = s->tolerance > 0.0 ? 2 : 1;
     for (int damped = !s->modified; status != JO_OK && damped < tries; damped++) {
@@ -413,20 +433,10 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
         exact.modified = 0;
         jo_newton_outdated(d);
         d->counts.singular = passed;   /* positions of the failed attempt are not counted */
-        predict(m, d, s);
-        status = newton(m, d, &exact, &stage, damped);
+        predict(m, d, s, 0.0);
+        status = newton(m, d, &exact, &stage, damped, &close);
     }
-    if (status == JO_OK) {
-        update_state(m, d, s);
-        if (m->nstate) status = jo_residual_at(m, d, &stage, d->acc);   /* states of the forces after the last increment */
-        for (int i = 0; i < d->nw; i++) {
-            d->alpha.algorithmic[i] = d->rate[i];
-            d->alpha.end_a[i] = d->a[i];
-        }
-        for (int i = 0; i < m->nrow; i++) d->alpha.end_lam[i] = d->lam[i];
-        if (status == JO_OK) status = finish_work(m, d, h);
-        if (status == JO_OK && s->projection && m->njoint) status = close_joints(m, d, &stage);
-    }
+    if (status == JO_OK) status = accept(m, d, s, &stage, close);
     if (status != JO_OK) {   /* on failure restore the state at the start of the step */
         for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
         for (int i = 0; i < d->nw; i++) d->v[i] = d->v0[i];

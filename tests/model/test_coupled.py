@@ -183,7 +183,7 @@ def whirl(**options):
     for body in model.bodies:
         model.v0.setflags(write=True)
         model.v0[body.iv : body.iv + 6] = (0, 40.0 * model.q0[body.iq], 0, 0, 0, 40.0)
-    solver = jo.GeneralizedAlpha(step=1e-3, **{"tangent": "exact", **options})
+    solver = jo.GeneralizedAlpha(step=1e-3, **{"tangent": "exact", "tolerance": 1e-10, **options})
     run = jo.simulate(model, t_end=0.05, solver=solver)
     return run["tip"], float(run.work.iterations[-1])
 

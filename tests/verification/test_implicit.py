@@ -406,7 +406,10 @@ def test_a_step_that_does_not_converge_says_what_to_do():
     [
         (lambda: jo.GeneralizedAlpha(step=-1.0), "step is -1.0, must be a positive number"),
         (lambda: jo.GeneralizedAlpha(rho=1.2), "rho is 1.2, must be between 0"),
-        (lambda: jo.GeneralizedAlpha(tolerance=0.5), "tolerance is 0.5, must be between 1e-14"),
+        (
+            lambda: jo.GeneralizedAlpha(tolerance=0.5),
+            "tolerance is 0.5, must be 'auto', between 1e-14",
+        ),
         (lambda: jo.GeneralizedAlpha(max_iterations=0), "max_iterations is 0, must be a whole"),
         (
             lambda: jo.simulation.Newmark(tangent="old"),

@@ -131,6 +131,41 @@ class OptionalNumber(_Numeric["float | None", "float | None"]):
     optional = True
 
 
+class NumberOrWord(_Numeric["float | str | None", "float | str | None"]):
+    """Field of a finite number, a word that stands for one found by the program, or None.
+
+    Parameters
+    ----------
+    text, default, **common
+        As for every field of numbers.
+    word : str
+        The word.
+    """
+
+    form = "number or word"
+    optional = True
+
+    def __init__(self, text: str = "", *, word: str, **common: Any) -> None:
+        super().__init__(text, **common)
+        self.word = word
+
+    @property
+    def annotation(self) -> str:
+        """The word and a number as a type, for signatures."""
+        return f"Literal[{self.word!r}] | float | None"
+
+    @property
+    def noun(self) -> str:  # type: ignore[override]
+        """The word and a number as a noun, for messages."""
+        return f'"{self.word}" or float'
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the word or a finite number within the limits, or report what is wrong."""
+        if isinstance(value, str) and value == self.word:
+            return value
+        return super().check(problems, where, value)
+
+
 class DefaultNumber(_Numeric["float | None", float]):
     """Field of a finite number; None for one that the object determines itself."""
 

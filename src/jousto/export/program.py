@@ -25,7 +25,16 @@ from jousto.simulation.state import State, put
 
 FIELDS = (
     *("method", "projection", "step", "alpha", "beta", "alpha_m", "alpha_f", "newmark_beta"),
-    *("newmark_gamma", "tolerance", "absolute", "largest", "first", "iterations", "modified"),
+    *(
+        "newmark_gamma",
+        "tolerance",
+        "error_share",
+        "absolute",
+        "largest",
+        "first",
+        "iterations",
+        "modified",
+    ),
     "plain_inertia",
 )
 

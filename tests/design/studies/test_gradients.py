@@ -10,6 +10,7 @@ import pytest
 
 import jousto as jo
 from jousto.base.complexstep import STEP, stepping
+from jousto.design.studies.case import Machine, Settings
 from jousto.design.studies.gradient_result import WAYS
 
 P = jo.Parameter
@@ -534,3 +535,14 @@ def test_the_start_at_rest_that_a_mechanism_asks_for_moves_with_the_parameters()
     assert found.exact  # of the values alone, complex steps and differences disagreed
     np.testing.assert_allclose(found.values, [sag], rtol=1e-9)
     np.testing.assert_allclose(found.jacobian[0], [sag / 2.0, -sag / 500.0], rtol=1e-6)
+
+
+def test_runs_of_a_study_iterate_to_a_fixed_tolerance() -> None:
+    """Differences between runs see the end of Newton's iteration, which auto leaves open."""
+    body = jo.RigidBody("bar", 2.0, (0.1, 0.2, 0.2), center=(0.5, 0, 0))
+    pin = jo.Revolute("pin", jo.ground["origin"], body["origin"], axis=(0, 1, 0))
+    model = jo.compile(jo.Mechanism(body, pin, jo.Gravity((0, 0, -9.81))))
+    for given, wanted in (("auto", 1e-10), (1e-8, 1e-8), (None, None)):
+        solver = jo.GeneralizedAlpha(1e-3, tolerance=given)
+        machine = Machine(model, Settings(0.1, {"solver": solver}), (), {})
+        assert machine.repeated.how["solver"].tolerance == wanted

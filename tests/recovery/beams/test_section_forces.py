@@ -164,7 +164,7 @@ def test_reaction_is_the_resultant_at_the_clamp() -> None:
     model = compiled(
         beam, clamp, jo.Gravity((300.0, 200.0, -981.0)), jo.ReactionSensor("clamp", clamp)
     )
-    run = jo.simulate(model, t_end=0.04, solver=jo.GeneralizedAlpha(step=4e-4))
+    run = jo.simulate(model, t_end=0.04, solver=jo.GeneralizedAlpha(step=4e-4, tolerance=1e-10))
     ends = jo.recovery.section_forces(run, "rod").ends[:, 0, 0]
     half = model.bodies[model.beam_shapes[0].bodies[0]].mass[0]
     weight = half * np.array([300.0, 200.0, -981.0])

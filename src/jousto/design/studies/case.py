@@ -111,7 +111,8 @@ class Machine:
         if self.settings.t_end is None:
             message = "no end time: give t_end, or simulation: {t_end: ...} in the file"
             raise InputError(Problem("study", message))
-        return Repeated(self.model, self.settings.t_end, **self.settings.given(self.model))
+        given = self.settings.given(self.model)
+        return Repeated(self.model, self.settings.t_end, smooth=True, **given)
 
 
 @described

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field as Key, create_model
+from pydantic import Discriminator, Field as Key, Tag, create_model
 
 from jousto.base.declare import SECTIONS, Declared, kinds
 from jousto.base.fields import Field
@@ -40,6 +40,7 @@ FORMS: dict[str, Callable[[Any], Any]] = {
     "references": lambda field: tuple[Text, ...],
     "flag": lambda field: Flag,
     "number": lambda field: amount(field.unit),
+    "number or word": lambda field: number_or_word(field),
     "duration": lambda field: Seconds,
     "count": lambda field: Count,
     "numbers": lambda field: tuple[Number, ...],
@@ -70,6 +71,15 @@ def amount(unit: Any) -> Any:
     if not isinstance(unit, str):
         return Amount
     return Annotated[float, Unit(unit.replace("^", ""))]
+
+
+def number_or_word(field: Any) -> Any:
+    """Return the type of a number in SI or the word of a field."""
+    word = NOTED[Literal[field.word], Tag("word")]
+    number = NOTED[amount(field.unit), Tag("number")]
+    return NOTED[
+        word | number, Discriminator(lambda value: "word" if value == field.word else "number")
+    ]
 
 
 def vector(unit: Any) -> Any:

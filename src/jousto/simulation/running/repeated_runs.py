@@ -26,6 +26,7 @@ from jousto.simulation.running.simulate import simulate
 from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.base import prepared
 from jousto.simulation.solvers.default_solver import choose
+from jousto.simulation.solvers.implicit import Newton
 from jousto.simulation.solvers.schedule import schedule
 from jousto.simulation.state import State, put
 
@@ -45,15 +46,19 @@ class Repeated:
         From `compile`.
     t_end : float
         End of the runs, s.
+    smooth : bool
+        Whether implicit methods iterate to a fixed, tight tolerance, so that the results change
+        smoothly with the model and its inputs, as differences between runs need it.
     **how
         Arguments of `simulate`: solver, output_step, state.
     """
 
-    def __init__(self, model: Model, t_end: float, **how: Any) -> None:
+    def __init__(self, model: Model, t_end: float, *, smooth: bool = False, **how: Any) -> None:
         without_fmus(model, "study", "cannot be repeated with other values")
         # initial state, computed once for all runs, with the derivatives of the model
         how = how | {"state": initial_state(model, how.get("state"))}
         self.model = model
+        self._smooth = smooth
         self._stepped = has_steps(model)
         with plainly():
             model = plain_model(model) if self._stepped else model
@@ -69,6 +74,8 @@ class Repeated:
         reason = ""
         if solver is None:
             solver, reason = choose(model, t_end, output, start)
+        if self._smooth and isinstance(solver, Newton) and solver != (tight := solver.tight()):
+            self.how["solver"] = solver = tight
         self._solver = solver
         self.plan = plan = schedule(model, t_end, solver, output, start)
         self._rows = plan.steps // plan.every + 1

@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.fields import Choice, Flag, field
-from jousto.base.numbers import Duration, Number, OptionalNumber, Whole
+from jousto.base.numbers import Duration, Number, NumberOrWord, Whole
 from jousto.simulation.solvers.base import Solver
 
 STEP: Any = field("Step size", default=1e-3)
+TIGHT = 1e-10  # tolerance where "auto" has no estimate of the error of the step
+SHARE = 1e-3  # last change of the accelerations over their second difference with "auto"
 TOLERANCE: Any = field(
     "Tolerance of Newton's iteration: last change of the accelerations in the metric of the "
-    "masses, relative to the accelerations and elastic forces. None: always `max_iterations` "
-    "iterations, so that the work of a step is bounded",
+    "masses, relative to the accelerations and elastic forces. auto: 0.1 % of the "
+    "second difference of the accelerations of successive steps, which measures the error of the "
+    "step, so that the iteration is not visible; 1e-10 until that is known and without "
+    "projection. None: always `max_iterations` iterations, so that the work of a step is bounded",
+    word="auto",
     least=1e-14,
     most=1e-2,
-    wanted="between 1e-14 and 1e-2, or None for max_iterations iterations at every step",
+    wanted="'auto', between 1e-14 and 1e-2, or None for max_iterations iterations at every step",
     plain=True,
-    default=1e-10,
+    default="auto",
 )
 MOST: Any = field(
     "Maximum number of iterations of a step. A step that does not converge, as at kinks of "
@@ -73,12 +79,19 @@ class Newton(Solver):
         """Further fields of the engine's jo_solver."""
         names = ("alpha_m", "alpha_f", "newmark_beta", "newmark_gamma")
         solver: Any = self
+        automatic = solver.tolerance == "auto"
         return dict(zip(names, self.coefficients, strict=True)) | {
-            "tolerance": solver.tolerance or 0.0,
+            "tolerance": TIGHT if automatic else solver.tolerance or 0.0,
+            "error_share": SHARE if automatic and solver.projection else 0.0,
             "iterations": solver.max_iterations,
             "modified": int(solver.tangent == "modified"),
             "plain_inertia": int(not solver.inertia_tangents),
         }
+
+    def tight(self) -> Newton:
+        """Return the method with a fixed tolerance instead of "auto"."""
+        solver: Any = self
+        return replace(solver, tolerance=TIGHT) if solver.tolerance == "auto" else self
 
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
         """Return a mask of oscillations that grow at this step; none with generalised alpha."""
@@ -114,7 +127,7 @@ class GeneralizedAlpha(Newton, tag="GeneralizedAlpha"):
         plain=True,
         default=0.8,
     )
-    tolerance: OptionalNumber = TOLERANCE
+    tolerance: NumberOrWord = TOLERANCE
     max_iterations: Whole = MOST
     tangent: Choice = TANGENT
     projection: Flag = PROJECTION
@@ -156,7 +169,7 @@ class Newmark(Newton, tag="Newmark"):
         plain=True,
         default=0.5,
     )
-    tolerance: OptionalNumber = TOLERANCE
+    tolerance: NumberOrWord = TOLERANCE
     max_iterations: Whole = MOST
     tangent: Choice = TANGENT
     projection: Flag = PROJECTION
