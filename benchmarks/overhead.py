@@ -50,9 +50,11 @@ def fixed(run: Callable[[int], object]) -> float:
 
 
 def ours(model: jo.Model, path: Path | None = None) -> Callable[[int], object]:
+    solver = jo.ROS2(step=H)  # the settings of EXUDYN are made once, too
+
     def run(steps: int) -> object:
         end = steps * H
-        return jo.simulate(model, end, solver=jo.ROS2(step=H), output_step=end, path=path)
+        return jo.simulate(model, end, solver=solver, output_step=end, path=path)
 
     return run
 

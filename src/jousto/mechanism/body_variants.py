@@ -112,7 +112,7 @@ def _with_bodies(mechanism: Mechanism, new: Mapping[str, RigidBody | FlexibleBod
     for item in (*mechanism.bodies, *mechanism.beams):
         memo[id(item)] = new.get(item.name, item)
     gone = set(map(id, dropped))
-    items = [_attached(item, memo) for item in mechanism.items if id(item) not in gone]
+    items = [attached(item, memo) for item in mechanism.items if id(item) not in gone]
     _check(items, set(map(id, new.values())))
     options = {key: getattr(mechanism, key) for key in ("name", "core", "start")}
     return BodyVariant(Mechanism(*items, **options), tuple(item.name for item in dropped))
@@ -161,7 +161,7 @@ def _values(item: Any) -> Iterator[Any]:
             yield value
 
 
-def _attached(value: Any, memo: dict[int, Any]) -> Any:
+def attached(value: Any, memo: dict[int, Any]) -> Any:
     """Return a copy of an item whose markers and references are those of the new bodies.
 
     Parameters
@@ -177,19 +177,19 @@ def _attached(value: Any, memo: dict[int, Any]) -> Any:
         memo[id(value)] = found = _marker(value, memo)
         return found
     if isinstance(value, tuple | list):
-        return type(value)(_attached(one, memo) for one in value)
+        return type(value)(attached(one, memo) for one in value)
     if isinstance(value, Mapping):
         kind: Any = type(value)
-        return kind({key: _attached(one, memo) for key, one in value.items()})
+        return kind({key: attached(one, memo) for key, one in value.items()})
     if isinstance(value, type) or not (isinstance(value, Declared) or is_dataclass(value)):
         return value
     if isinstance(value, Sensor) and value.flexible:  # it may store rows of the modes of its body
-        fields = {key: _attached(getattr(value, key), memo) for key in value.fields}
+        fields = {key: attached(getattr(value, key), memo) for key in value.fields}
         memo[id(value)] = sensor = type(value)(**fields)
         return sensor
     memo[id(value)] = made = copy.copy(value)  # before its fields, which may refer to it
     for key, one in vars(value).items():
-        vars(made)[key] = _attached(one, memo)
+        vars(made)[key] = attached(one, memo)
     return made
 
 
@@ -198,6 +198,8 @@ def _marker(marker: Marker, memo: Mapping[int, Any]) -> Marker:
     body = memo.get(id(marker.body), marker.body)
     if isinstance(body, RigidBody) and not isinstance(marker.body, RigidBody):
         return replace(marker, body=body, node=None, followed=None)
+    if marker.point == "center" and isinstance(body, RigidBody):
+        return replace(marker, body=body, position_local=body.center)
     return replace(marker, body=body)
 
 

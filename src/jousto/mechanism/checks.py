@@ -266,12 +266,7 @@ def check_events(problems: Problems, mechanism: Members) -> None:
 
 def check_fmus(problems: Problems, mechanism: Members) -> None:
     """Report sensors and inputs of FMUs that are not in the mechanism, and inputs set twice."""
-    used = {
-        signal.name
-        for item in (*mechanism.forces, *mechanism.couplings, *mechanism.sensors)
-        for signal in signals_of(item)
-        if isinstance(signal, Input) and not isinstance(item, FmuSensor)
-    }
+    used = input_names(mechanism)
     setters: dict[str, str] = {}
     sensors = Known(*mechanism.sensors)
     for fmu in mechanism.fmus:
@@ -291,6 +286,16 @@ def check_fmus(problems: Problems, mechanism: Members) -> None:
                     where(fmu), f"sets input {name!r}, which {setters[name]} sets already", "inputs"
                 )
             setters.setdefault(name, f"fmu {fmu.name!r}")
+
+
+def input_names(mechanism: Members) -> set[str]:
+    """Return the names of the external inputs."""
+    return {
+        signal.name
+        for item in (*mechanism.forces, *mechanism.couplings, *mechanism.sensors)
+        for signal in signals_of(item)
+        if isinstance(signal, Input) and not isinstance(item, FmuSensor)
+    }
 
 
 def used_joints(mechanism: Members) -> set[int]:

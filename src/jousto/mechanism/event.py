@@ -123,7 +123,7 @@ class Event(Declared, section="events"):
         index = 0
         if not isinstance(self.watch, Coordinate):
             index = component_of(problems, where, self.watch, given)
-        elif given is not None:
+        elif given not in (None, 0):
             problems.add(
                 where, f"component is {given!r}: {self.watch.name} is one number", "component"
             )

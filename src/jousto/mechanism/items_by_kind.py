@@ -109,16 +109,30 @@ class Members:
 
         If all points coincide up to rounding, the largest radius of gyration of a body.
         """
-        rigid = [x for x in self.bodies if isinstance(x, RigidBody) and not isinstance(x, BeamNode)]
+        size, arm = self.extent, self.arm
+        return size if size > POINT * arm else arm or 1.0
+
+    @cached_property
+    def arm(self) -> float:
+        """Largest radius of gyration of a rigid body about its centre of mass, m."""
+        return widest(self._rigid)
+
+    @property
+    def _rigid(self) -> list[RigidBody]:
+        """Rigid bodies without the nodes of beams."""
+        return [x for x in self.bodies if isinstance(x, RigidBody) and not isinstance(x, BeamNode)]
+
+    @cached_property
+    def extent(self) -> float:
+        """Diagonal of the box around all bodies and joints at the initial pose, m."""
+        rigid = self._rigid
         points = [named_points(rigid)] if rigid else []
         points += [node_points(x) for x in self.bodies if isinstance(x, FlexibleBody)]
         points += [beam_points(beam) for beam in self.beams]
         if self.joints:
             points += [self.joint_ends.reshape(-1, 3)]
         cloud = np.vstack(points) if points else np.zeros((1, 3))
-        size = float(np.linalg.norm(cloud.max(axis=0) - cloud.min(axis=0)))
-        arm = widest(rigid)
-        return size if size > POINT * arm else arm or 1.0
+        return float(np.linalg.norm(cloud.max(axis=0) - cloud.min(axis=0)))
 
     @cached_property
     def joint_ends(self) -> Array:

@@ -18,15 +18,18 @@ from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.beams.discretisation import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.checks import coordinates_of, used_joints
+from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints.base import align_frames
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.elimination_order import MOST, Elimination, TooDense
 from jousto.model.frame_record import frame_shape
 from jousto.model.hubs import joints_on, order_joints
 from jousto.model.initial_conditions import quiet_velocities, started
+from jousto.model.likeness import Likeness
 from jousto.model.mode_loads import ModeLoads, mode_loads
 from jousto.model.model import BodyModel, Model, Shape
 from jousto.model.moved_bodies import warn_moved
+from jousto.model.native.layout import share_layout
 from jousto.model.native.native import Engine, SingularJoints
 from jousto.model.packing.bodies import beam_models, beam_shapes, warn_beams, warn_bodies
 from jousto.model.packing.builder import Builder
@@ -97,9 +100,16 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
         that their reactions are not unique; or almost all mass of a flexible body lies on a line,
         so that its modes cannot represent its rotation about the line.
     """
-    if not is_stepping():
-        warn_beams(mechanism)
-        warn_bodies(mechanism)
+    model, builder = pack(mechanism)
+    return finish(model, builder, mechanism, mechanism.core if core is None else core)
+
+
+def pack(mechanism: Mechanism) -> tuple[Model, Builder]:
+    """Return the flat arrays of a mechanism at its declared pose, and the builder of its objects.
+
+    The result has no consistent initial state and no links of a tree yet, see `finish`.
+    """
+    warn_parts(mechanism)
     index = {id(body): i for i, body in enumerate(mechanism.bodies)}
     bodies, q0, v0 = _bodies(mechanism)
     builder = Builder(index, mechanism.events)
@@ -137,7 +147,7 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
         elimination=_elimination(mechanism, builder, bodies),
         q0=q0,
         v0=v0,
-        shapes=tuple(_shape(body) for body in mechanism.bodies),
+        shapes=tuple(shape_of(body) for body in mechanism.bodies),
         size=mechanism.size,
         coordinates=tuple(builder.coordinates),
         frictions=tuple(builder.frictions),
@@ -150,17 +160,63 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
         fmus=fmu_models(mechanism, sensors),
         start=mechanism.start,
     )
+    return model, builder
 
-    placed = q0.copy()
+
+def warn_parts(mechanism: Mechanism) -> None:
+    """Warn about beams and flexible bodies whose formulation does not fit."""
+    if not is_stepping():
+        warn_beams(mechanism)
+        warn_bodies(mechanism)
+
+
+def finish(
+    model: Model,
+    builder: Builder,
+    mechanism: Mechanism,
+    core: str,
+    *,
+    like: Likeness | None = None,
+    keep: list[Model] | None = None,
+    initials: Sequence[Initial] | None = None,
+) -> Model:
+    """Return a packed model with its consistent initial state and its solver core.
+
+    Parameters
+    ----------
+    model : Model
+        From `pack`; its initial state is replaced.
+    builder : Builder
+        Builder with the coordinates of the model.
+    mechanism : Mechanism
+        The mechanism.
+    core : str
+        Solver core, see `compile`.
+    like : Likeness, optional
+        Models of a mechanism that differs in numbers only.
+    keep : list, optional
+        The model without links is appended to it.
+    initials : sequence of Initial, optional
+        Values and rates at coordinates of the builder; by default those of the mechanism.
+    """
+    placed = model.q0.copy()
+    initials = mechanism.initials if initials is None else initials
 
     def finished(model: Model) -> Model:
-        begun = started(model, mechanism.initials, builder) if mechanism.initials else model
+        begun = started(model, initials, builder) if initials else model
         return _consistent(begun)
 
-    made = with_start(model, finished, mechanism.initials) if is_stepping() else finished(model)
+    made = with_start(model, finished, initials) if is_stepping() else finished(model)
     if not is_stepping():
         warn_moved(mechanism, made, placed)
-    made = with_core(made, mechanism.core if core is None else core)
+    closed = made
+    if keep is not None:
+        keep.append(closed)
+    if like is not None and like.fits(closed):
+        made = like.with_links(closed)
+    else:
+        made = with_core(closed, core)
+        share_layout(made, closed)
     log.info(
         "%s: %d velocities, %d constraint rows%s",
         *(made.name, made.nv, made.nrow, ", some repeated" if made.redundant else ""),
@@ -243,6 +299,11 @@ def _rigid(body: RigidBody, iq: int, iv: int, mass: Array, S0: Array, J0: Array)
     )
 
 
+def rigid_model(body: RigidBody, iq: int, iv: int) -> BodyModel:
+    """Return the arrays of one rigid body, with its offsets in q and v."""
+    return _rigid(body, iq, iv, *next(_inertias([body])))
+
+
 def half_inertia_rate(N: Array) -> Array:
     """Return ``tr(N) E - sym(N)`` as xx yy zz yz xz xy on the first axis; N (..., 3, 3)."""
     trace = np.trace(N, axis1=-2, axis2=-1)
@@ -305,7 +366,8 @@ def part_shape(reduced: ReducedPart) -> Shape:
     )
 
 
-def _shape(body: RigidBody | FlexibleBody) -> Shape:
+def shape_of(body: RigidBody | FlexibleBody) -> Shape:
+    """Return the drawing of a body."""
     if isinstance(body, FlexibleBody):
         return part_shape(body.reduced)
     points = body.outline
@@ -384,7 +446,7 @@ def _consistent(model: Model) -> Model:
     model.v0[:] = engine.v if quiet is None else quiet
     model.q0.setflags(write=False)
     model.v0.setflags(write=False)
-    names = _changed(model, given)
+    names = "" if model.v0.tobytes() == given.tobytes() else _changed(model, given)
     if names and not any(line.signal >= 0 for joint in model.joints for line in joint.lines):
         warn(
             f"mechanism {model.name!r}",

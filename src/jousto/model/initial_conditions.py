@@ -60,6 +60,8 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     if np.any(given):
         return None
     modal = modal_velocities(model)
+    if not modal.any():
+        return None
     nearest = np.array(engine.v)
     metres = velocity_metres(model)
     changed = float(np.abs((nearest * metres)[modal]).max(initial=0.0))

@@ -467,6 +467,10 @@ class Model:
     tree_of: tuple[Any, ...] = ()
     start: str = "initial"
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the fields, without values that follow from them."""
+        return {name: vars(self)[name] for name in self.__dataclass_fields__}
+
     @cached_property
     def nq(self) -> int:
         """Number of position coordinates."""
@@ -483,7 +487,7 @@ class Model:
         parts = self.bodies, self.markers, self.joints, self.coordinates, self.frictions
         return *parts, self.elimination
 
-    @property
+    @cached_property
     def links(self) -> tuple[LinkModel, ...]:
         """Links of the tree; empty if the model has changed since they were computed."""
         same = all(a is b for a, b in zip(self.tree_of, self.parts_of_tree, strict=False))
@@ -494,6 +498,16 @@ class Model:
         """Whether the model has joint coordinates and rows of joints at the same time."""
         return bool(self.links) and self.links[0].kind == "body"
 
+    def with_records(self, **changes: Any) -> Model:
+        """Return this model with other objects of the same structure.
+
+        As `replace`, but the numbers of coordinates and rows are not counted again.
+        """
+        made = object.__new__(Model)
+        vars(made).update(vars(self) | changes)
+        vars(made).pop("links", None)
+        return made
+
     def keeping_tree(self, of: Model) -> Model:
         """Return this model with the links of another model, if that has any.
 
@@ -501,17 +515,17 @@ class Model:
         """
         return replace(self, tree_of=self.parts_of_tree) if of.links else self
 
-    @property
+    @cached_property
     def nx(self) -> int:
         """Number of joint coordinates of a tree."""
         return sum(link.positions for link in self.links)
 
-    @property
+    @cached_property
     def nu(self) -> int:
         """Number of joint velocities of a tree."""
         return sum(link.rates for link in self.links)
 
-    @property
+    @cached_property
     def nstate(self) -> int:
         """Number of first-order states of forces."""
         return sum(force.states for force in self.forces)
@@ -531,7 +545,7 @@ class Model:
         """Number of permanent constraint rows; rows of sticking friction follow them."""
         return sum(joint.rows for joint in self.joints if joint.lock < 0)
 
-    @property
+    @cached_property
     def inputs(self) -> tuple[str, ...]:
         """Names of the external inputs, in the engine's order."""
         signals = [signal for signal in self.signals if signal.kind == "input"]
@@ -554,7 +568,7 @@ class Model:
                 times.append(signal.data[:1])
         return np.unique(np.concatenate([np.zeros(0), *times]))
 
-    @property
+    @cached_property
     def nout(self) -> int:
         """Number of sensor values."""
         return sum(sensor.count for sensor in self.sensors)
@@ -564,3 +578,9 @@ class Model:
             f"<Model {self.name!r}: {len(self.bodies)} bodies, {self.nv} velocity coordinates, "
             f"{self.nrow} constraint rows>"
         )
+
+
+def structure_of(model: Model) -> Model:
+    """Return a model that differs from this one in numbers at the most, for caches."""
+    found: Model = vars(model).get("structure", model)
+    return found

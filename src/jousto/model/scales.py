@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.arrays import Array
+from jousto.base.arrays import Array, read_only
 from jousto.base.rounding import Scales
-from jousto.model.model import Model
+from jousto.model.model import Model, structure_of
 
 
 def scales_of(model: Model) -> Scales:
@@ -35,13 +36,25 @@ def velocity_metres(model: Model) -> Array:
     Together with `Engine.row_metres`, all tolerances and comparisons then refer to lengths, so that
     results do not depend on the consistent system of units.
     """
+    like = structure_of(model)
+    if like.size == model.size:  # variants have the same masses of modal bodies
+        model = like
+    if model not in _METRES:
+        _METRES[model] = _velocity_metres(model)
+    return _METRES[model]
+
+
+_METRES: WeakKeyDictionary[Model, Array] = WeakKeyDictionary()
+
+
+def _velocity_metres(model: Model) -> Array:
     out = np.ones(model.nv)
     first = np.array([body.iv for body in model.bodies], dtype=np.intp)
     out[first[:, None] + np.arange(3, 6)] = real(model.size)
     for body in model.bodies:
         if body.n:
             out[body.iv + 6 : body.iv + 6 + body.n] = real(body.mass[0]) ** -0.5
-    return out
+    return read_only(out)
 
 
 def position_metres(model: Model) -> Array:

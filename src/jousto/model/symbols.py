@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, overload
 
@@ -53,8 +53,22 @@ class Symbols(Sequence[SymbolShape]):
         Index of every moving body by its id.
     """
 
+    _make: Callable[[], Mechanism]
+
     def __init__(self, mechanism: Mechanism, index: Mapping[int, int]) -> None:
-        self._given = mechanism, index
+        vars(self)["_given"] = mechanism, index
+
+    @classmethod
+    def later(cls, make: Callable[[], Mechanism]) -> Symbols:
+        """Return the symbols of a mechanism that a function makes when they are first used."""
+        made = cls.__new__(cls)
+        made._make = make
+        return made
+
+    @cached_property
+    def _given(self) -> tuple[Mechanism, Mapping[int, int]]:
+        mechanism = self._make()
+        return mechanism, {id(body): i for i, body in enumerate(mechanism.bodies)}
 
     @cached_property
     def _made(self) -> tuple[SymbolShape, ...]:

@@ -52,9 +52,12 @@ def motor_turns(model: Model, step: float, *, joint_coordinates: bool) -> tuple[
     joint_coordinates : bool
         Whether the method moves trees in joint coordinates.
     """
+    geared = gear_springs(model) if step > 0.0 else ()
+    if not geared:
+        return ()
     links = model.links if joint_coordinates else ()
     moved = {coordinate for link in links for coordinate in link.coordinates}
-    gears = [gear for gear in gear_springs(model) if gear.other not in moved and step > 0.0]
+    gears = [gear for gear in geared if gear.other not in moved]
     return tuple(MotorTurns(model, gear, step) for gear in gears)
 
 

@@ -9,7 +9,9 @@ import pytest
 
 import jousto as jo
 from jousto.design.studies import case
+from jousto.mechanism.numbers import with_numbers
 from jousto.model.native import ensemble
+from jousto.model.variants import Variants
 from jousto.simulation.running import batched_runs
 
 pytestmark = [
@@ -21,7 +23,7 @@ pytestmark = [
 @pytest.fixture(autouse=True)
 def in_positions(monkeypatch):
     """Trees in joint coordinates step alone; these machines are to share lanes."""
-    monkeypatch.setattr(case, "compile", functools.partial(jo.compile, core="maximal"))
+    monkeypatch.setattr(case, "Variants", functools.partial(Variants, core="maximal"))
 
 
 LENGTH = jo.Parameter("length", 1.0, unit="m")
@@ -81,3 +83,19 @@ def test_a_point_that_fails_is_the_only_one(groups):
     assert [bool(reason) for reason in found.reasons] == [k == 2 for k in range(len(points))]
     assert "diverged" in found.reasons[2]
     np.testing.assert_allclose(found.y[3], a_study()(points[3]), rtol=0, atol=1e-12)
+
+
+def test_variants_share_lanes(groups):
+    """Numbers written into copies of one memory."""
+    mass = jo.Parameter("bob.mass", 1.0, unit="kg")
+    points = np.linspace(0.5, 1.5, 2 * ensemble.machines())[:, None]
+    how = {"t_end": 1.0, "solver": jo.RK4(1e-3)}
+    study = jo.study(pendulum(1.0), mass, OUTCOMES, **how)
+    found = study(points)
+    assert groups == 2 * [ensemble.machines()] and study.counts["compilations"] == 1
+    for x, y in zip(points[:, 0], found, strict=True):
+        machine = with_numbers(pendulum(1.0), {"bob.mass": x})
+        run = jo.simulate(jo.compile(machine, core="maximal"), **how)
+        alone = run["bob"][:, 1].min(), run["bob"][:, 0].max()
+        np.testing.assert_allclose(y, alone, rtol=1e-12, atol=1e-14)
+    assert len(set(found[:, 0])) == len(points)

@@ -9,12 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from jousto.base.complexstep import is_stepping
 from jousto.base.errors import InputError, NotAnalytic, Problem
 from jousto.base.object_repr import described
 from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.numbers import with_numbers
 from jousto.model.compile import compile
 from jousto.model.model import Model
 from jousto.model.start_complex_step import has_steps
+from jousto.model.variants import Variants
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.batched_runs import run_in_lanes
 from jousto.simulation.running.repeated_runs import Repeated
@@ -58,20 +61,91 @@ def _begun(begin: Callable[[Model], Any], model: Model) -> Any:
     return initial_state(model, start="rest")  # start at rest, with derivatives of the equilibrium
 
 
+class Models:
+    """Models of the machines of a study; those that differ in numbers only are compiled once.
+
+    Parameters
+    ----------
+    counts : dict
+        Counters, of which "compilations" is increased.
+
+    Attributes
+    ----------
+    made : int
+        Number of models so far, compiled or not.
+    """
+
+    def __init__(self, counts: Counts) -> None:
+        self._counts = counts
+        self.made = 0
+        self._variants: Variants | None = None
+
+    def variants(self, mechanism: Mechanism) -> Variants:
+        """Return the variants of a mechanism, which is compiled at its first use."""
+        if self._variants is None or self._variants.mechanism is not mechanism:
+            self._counts["compilations"] += 1
+            self._variants = Variants(mechanism)
+        return self._variants
+
+    def model(self, mechanism: Mechanism) -> Model:
+        """Return the model of a mechanism: a variant of an earlier one, or compiled anew."""
+        self.made += 1
+        if is_stepping():
+            self._counts["compilations"] += 1
+            return compile(mechanism)
+        if self._variants is not None:
+            made = self._variants.like(mechanism)
+            if made is not None:
+                return made
+        return self.variants(mechanism).model
+
+    def with_numbers(self, mechanism: Mechanism, values: Mapping[str, Any]) -> Model:
+        """Return the model of a mechanism with other numbers."""
+        if is_stepping():
+            return self.model(with_numbers(mechanism, values))
+        self.made += 1
+        variants = self.variants(mechanism)
+        before = variants.compilations
+        made = variants.with_numbers(values)
+        self._counts["compilations"] += variants.compilations - before
+        return made
+
+
+@dataclass(frozen=True, eq=False)
+class Numbered:
+    """Mechanism with other numbers, which is declared only if an outcome uses it.
+
+    Attributes
+    ----------
+    of : Mechanism
+        The mechanism.
+    values : dict
+        Its new numbers by address.
+    """
+
+    of: Mechanism
+    values: Mapping[str, Any]
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """The mechanism with the new numbers."""
+        return with_numbers(self.of, self.values)
+
+
 @dataclass(frozen=True, eq=False)
 class Machine:
     """Mechanism or compiled model with its settings, shared by runs that differ in their inputs.
 
     Parameters
     ----------
-    made : Mechanism, Model or Solution
-        Object that the user's function returned.
+    made : Mechanism, Numbered, Model or Solution
+        Object that the user's function returned, or a mechanism with other numbers.
     settings : Settings
         Settings of the runs.
     checks : tuple
         Fatigue checks.
-    counts : dict
-        Counters of compilations and runs.
+    models : Models
+        Models of the study.
     plain : bool
         Whether the model has derivatives that the mechanism lacks.
     """
@@ -79,7 +153,7 @@ class Machine:
     made: Any
     settings: Settings
     checks: tuple[Any, ...]
-    counts: Counts
+    models: Models
     plain: bool = False
 
     def with_slope(self, model: Model, checks: tuple[Any, ...]) -> Machine:
@@ -91,6 +165,8 @@ class Machine:
     @property
     def mechanism(self) -> Mechanism:
         """Mechanism of the machine."""
+        if isinstance(self.made, Numbered):
+            return self.made.mechanism
         if not isinstance(self.made, Mechanism):
             raise InputError(
                 Problem("study", "a compiled model contains no mechanism; give the mechanism")
@@ -102,8 +178,9 @@ class Machine:
         """Compiled model."""
         if isinstance(self.made, Model):
             return self.made
-        self.counts["compilations"] += 1
-        return compile(self.mechanism)
+        if isinstance(self.made, Numbered):
+            return self.models.with_numbers(self.made.of, self.made.values)
+        return self.models.model(self.mechanism)
 
     @cached_property
     def repeated(self) -> Repeated:

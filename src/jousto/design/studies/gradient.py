@@ -161,7 +161,7 @@ class Work:
         self._x = x
         self._outcomes = tuple(evaluator.outcomes[i] for i in rows)
         self._parameters = evaluator.parameters
-        self._before = evaluator.counts["compilations"]
+        self._before = evaluator.memory.models.made
         self.runs = {"real": 0, "complex": 0}
         shape = (len(rows), len(x))
         self._jacobian = np.full(shape, np.nan)
@@ -196,7 +196,7 @@ class Work:
         for j in columns:
             if any(row[j] == DIFFERENCES for row in self._way):
                 self._difference(j)
-        self.runs["models"] = self._evaluator.counts["compilations"] - self._before
+        self.runs["models"] = self._evaluator.memory.models.made - self._before
         pairs = [zip(*pair, strict=True) for pair in zip(self._way, self._why, strict=True)]
         how = tuple(tuple(f"{way}: {why}" if why else way for way, why in row) for row in pairs)
         return GradientResult(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import hashlib
 from collections.abc import Sequence
 from typing import Any
@@ -12,14 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
-from jousto.model.model import Model
+from jousto.model.model import Model, structure_of
 from jousto.model.native import library
 from jousto.model.native.header import kind
 from jousto.model.native.layout import Layout
+from jousto.model.native.memory_image import Bytes, Words, address, pointers
 from jousto.model.native.native import Engine
-
-Bytes = NDArray[np.uint8]
-Words = NDArray[np.uint64]
 
 OWN = ("size", "gravity")
 """Fields of a jo_model that may differ between machines of one structure, besides its numbers."""
@@ -42,7 +39,12 @@ def structure(model: Model) -> str:
     """
     if model not in _LAID:
         laid = _Laid(model) if _is_plain(model) else None
-        _LAID[model] = ("" if laid is None else laid.sign(), laid)
+        like = structure_of(model)
+        if like is not model:
+            sign = structure(like)
+        else:
+            sign = "" if laid is None else f"{laid.sign()} {int(model.redundant)}"
+        _LAID[model] = (sign, laid)
     return _LAID[model][0]
 
 
@@ -50,14 +52,6 @@ def _is_plain(model: Model) -> bool:
     alone = (model.frictions, model.beams, model.events, model.meters, model.links)
     locked = any(joint.lock >= 0 for joint in model.joints)
     return not (any(alone) or locked) and all(force.law.side_by_side for force in model.forces)
-
-
-@functools.cache
-def _pointers(struct: str) -> tuple[int, ...]:
-    """Return a mask of the pointers among the words of a struct; empty for a number."""
-    kind = library.ffi().typeof(struct)
-    fields = kind.fields if kind.kind == "struct" else ()
-    return tuple(f.offset // 8 for _, f in fields if f.type.kind in ("pointer", "function"))
 
 
 class _Laid:
@@ -74,17 +68,12 @@ class _Laid:
     def __init__(self, model: Model) -> None:
         ffi = library.ffi()
         layout = Layout(library.real_library(), ffi, model, np.dtype(np.float64), {}, False)
-        rooms, structs = layout.memory()
-        self.rooms: list[Array] = rooms
-        self.blocks: list[tuple[str, Bytes]] = []
-        for array in (*structs, layout.model):
-            of = ffi.typeof(array).item
-            data = np.frombuffer(ffi.buffer(array), np.uint8)
-            self.blocks.append((of.cname, data.reshape(-1, ffi.sizeof(of))))
-        # keep only these objects, since the layout would keep the model alive
-        self._keep = structs, layout.model
-        memory: list[NDArray[Any]] = [*rooms, *(data for _, data in self.blocks)]
-        starts, sizes = [_start(x) for x in memory], [x.nbytes for x in memory]
+        # keep only the memory, since the layout would keep the model alive
+        self._keep = layout.laid
+        self.rooms: list[Array] = layout.laid.rooms
+        self.blocks: list[tuple[str, Bytes]] = layout.laid.blocks
+        memory: list[NDArray[Any]] = [*self.rooms, *(data for _, data in self.blocks)]
+        starts, sizes = [address(x) for x in memory], [x.nbytes for x in memory]
         self.order = np.argsort(np.array(starts, np.uint64))
         self.starts = np.array(starts, np.uint64)[self.order]
         self.ends = self.starts + np.array(sizes, np.uint64)[self.order]
@@ -108,7 +97,7 @@ class _Laid:
         for struct, data in self.blocks:
             data = data.copy()
             digest.update(f"{struct} {len(data)} ".encode())
-            if columns := list(_pointers(struct)):
+            if columns := list(pointers(struct)):
                 words = data.view(np.uint64)
                 place, offset = self.places(words[:, columns])
                 words[:, columns] = offset
@@ -121,14 +110,10 @@ class _Laid:
         return digest.hexdigest()
 
 
-def _start(array: NDArray[Any]) -> int:
-    return int(array.__array_interface__["data"][0])
-
-
 def _aligned(count: int, machines: int) -> Array:
     """Return an array of zeros (count, machines) that begins on a cache line."""
     raw = np.zeros(count * machines + 8)
-    first = -_start(raw) % 64 // 8
+    first = -address(raw) % 64 // 8
     return raw[first : first + count * machines].reshape(count, machines)
 
 
@@ -157,6 +142,7 @@ class Ensemble:
         self._model = self._interleaved(
             [laid for _, laid in map(_LAID.__getitem__, models) if laid]
         )
+        self._model.redundant = int(models[0].redundant)
         self._model.size = min(model.size for model in models)
         gravity = _aligned(3, len(engines))
         np.stack([engine.gravity for engine in engines], axis=1, out=gravity)
@@ -185,9 +171,9 @@ class Ensemble:
         blocks = [data.copy() for _, data in first.blocks]
         self._keep += [rooms, blocks]
         memory: list[NDArray[Any]] = [*rooms, *blocks]
-        new = np.array([_start(x) for x in memory], np.uint64)
+        new = np.array([address(x) for x in memory], np.uint64)
         for (struct, _), data in zip(first.blocks, blocks, strict=True):
-            columns = list(_pointers(struct))
+            columns = list(pointers(struct))
             if not columns:
                 continue
             words = data.view(np.uint64)
@@ -195,7 +181,7 @@ class Ensemble:
             scale = np.where((place >= 0) & (place < len(rooms)), np.uint64(count), np.uint64(1))
             moved = new[np.maximum(place, 0)] + offset * scale
             words[:, columns] = np.where(place >= 0, moved, 0)
-        return self._ffi.cast("jo_model *", _start(blocks[-1]))
+        return self._ffi.cast("jo_model *", address(blocks[-1]))
 
     def run(self, solver: Any, steps: int, every: int) -> Array:
         """Advance all machines; return rows (machines, k, row_size), one per `every` steps.
@@ -220,7 +206,7 @@ class Ensemble:
         return np.ascontiguousarray(room.T)
 
     def _pointer(self, array: Array) -> Any:
-        return self._ffi.cast("jo_real *", _start(array))
+        return self._ffi.cast("jo_real *", address(array))
 
     def _view(self, pointer: Any, count: int) -> Array:
         if not count:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import chain
 from typing import Any, TypeAlias
 from weakref import WeakKeyDictionary
@@ -16,24 +15,40 @@ from jousto.model.model import Model
 from jousto.model.native.callback import callback
 from jousto.model.native.damage_meter import meter_size, native_rule
 from jousto.model.native.header import columns, kinds, packed
+from jousto.model.native.memory_image import Laid, address
+from jousto.model.native.numbers import force_numbers, padded_array, write_numbers
 from jousto.model.newton_pattern import NewtonPattern, newton_pattern
 
 Records: TypeAlias = NDArray[Any]  # structs in NumPy's view of their memory
 
+NO_PATTERN = NewtonPattern((), (), (), (0,), (), 0)
 CHUNK = 4096  # number of scalars that are allocated together
 
 
-@dataclass(frozen=True, eq=False)
-class _Laid:
-    """Data shared by the engines of one model: the filled jo_model and its memory."""
+Build: TypeAlias = tuple[int, bool]  # build of the engine; whether Newton's pattern is included
 
-    model: Any
-    keep: list[Any]
-    counts: dict[int, int]
+_LAID: WeakKeyDictionary[Model, dict[Build, Laid]] = WeakKeyDictionary()
+_BASE: WeakKeyDictionary[Model, dict[Build, Laid]] = WeakKeyDictionary()
+_LIKE: WeakKeyDictionary[Model, Model] = WeakKeyDictionary()
+# records of a model that a layout contains besides the links of a tree
+RECORDS = (
+    *("bodies", "beams", "markers", "coordinates", "joints", "signals", "forces", "frictions"),
+    *("events", "sensors", "meters", "elimination", "size", "active"),
+)
 
 
-# cached by build of the engine, and by whether it has the pattern of Newton's matrix
-_LAID: WeakKeyDictionary[Model, dict[tuple[int, bool], _Laid]] = WeakKeyDictionary()
+def share_layout(made: Model, model: Model) -> None:
+    """Let a model take over the layout of a model that differs in its links and state only."""
+    if made is not model and all(getattr(made, x) is getattr(model, x) for x in RECORDS):
+        _BASE[made] = _LAID.get(model, {})
+
+
+def lay_out_like(made: Model, model: Model) -> None:
+    """Let a model take over the layout of a model that differs in numbers only.
+
+    The numbers are written into a copy of that memory for the first engine of the model.
+    """
+    _LIKE[made] = model
 
 
 class Layout:
@@ -62,9 +77,11 @@ class Layout:
         The jo_model; it lives as long as this object.
     raised : list of exceptions
         Exceptions of Python functions of the user during a call of the engine.
-    counts : dict
-        Number of structs or numbers at each address in the model.
+    laid : Laid
+        The memory that the engines of the model share.
     """
+
+    laid: Laid
 
     def __init__(
         self,
@@ -89,7 +106,7 @@ class Layout:
         self._start, self._address = 0, ffi.NULL
         self._stride = dtype.itemsize // ffi.sizeof("jo_real")
         self.raised: list[BaseException] = []
-        self.counts: dict[int, int] = {}
+        self.counts: dict[int, int] = {}  # structs or numbers at each address
         self.model = self._native_model()
 
     def _native_model(self) -> Any:
@@ -101,24 +118,57 @@ class Layout:
         build = id(self._library), self._implicit
         laid = known.get(build)
         if laid is None:
-            laid = _Laid(self._laid_out(), self._keep, self.counts)
-            self._keep = [laid]
+            laid = known[build] = self._new() if own else self._similar() or self._new()
             self._room = np.zeros(0, self._dtype)
-            known[build] = laid
-        else:
-            self._keep.append(laid)
-            self.counts = laid.counts
+        self.laid = laid
+        self._keep, self.counts = [laid], {}
         model = self._ffi.new("jo_model *", laid.model[0])
         model.redundant = -1 if self._strict else int(m.redundant)
-        model.gravity = self._constant(m.gravity, ("model", 0, "gravity"))
+        gravity = self._override.get(("model", 0, "gravity"), m.gravity)
+        self._gravity = np.array(gravity, dtype=self._dtype)
+        model.gravity = self._ffi.cast("jo_real *", address(self._gravity))
         return model
 
-    def memory(self) -> tuple[list[NDArray[np.float64]], list[Any]]:
-        """Return the numbers and structs of the model in their order in memory."""
-        laid = self._keep[0].keep
-        return [x for x in laid if isinstance(x, np.ndarray)], [
-            x for x in laid if not isinstance(x, np.ndarray)
-        ]
+    def _new(self) -> Laid:
+        """Return the memory of the model, laid out from its records."""
+        return Laid(self._laid_out(), self._keep, self.counts)
+
+    def _similar(self) -> Laid | None:
+        """Return memory taken over from another model, see `lay_out_like` and `share_layout`."""
+        m = self._source
+        base = _BASE.get(m) or _LAID[m]
+        plain = base.get((id(self._library), True)) or base.get((id(self._library), False))
+        if (other := _LIKE.get(m)) is not None:
+            theirs = self._laid_of(other)
+            if plain is not None and theirs.extends:
+                return theirs.on(plain)
+            laid = theirs.image.copy()
+            write_numbers(laid, other, m, self._library.JO_PAD)
+            return laid
+        return None if plain is None or m.mixed else self._extended(plain)
+
+    def _laid_of(self, other: Model) -> Laid:
+        """Return the memory of another model for the same build."""
+        known = _LAID.get(other, {}).get((id(self._library), self._implicit))
+        if known is not None:
+            return known
+        options = self._strict, self._implicit
+        return Layout(self._library, self._ffi, other, self._dtype, {}, *options).laid
+
+    def _extended(self, base: Laid) -> Laid:
+        """Return the memory of a model without links, with the links of this model."""
+        model = self._ffi.new("jo_model *", base.model[0])
+        model.coordinate = self._coordinates()
+        self._link(model)
+        if not model.nnode:
+            self._newton(model)
+        return Laid(model, self._keep, self.counts, base)
+
+    def count(self, pointer: int) -> int:
+        """Return the number of structs or numbers at an address of the model."""
+        if pointer == address(self._gravity):
+            return self._gravity.size
+        return self.laid.count(pointer)
 
     def _constant(
         self, array: Any, key: tuple[str, int, str] | None = None, shared: Any = None
@@ -179,8 +229,6 @@ class Layout:
         model = self._ffi.new("jo_model *")
         sides = self._sides()
         pairs, pulls = self._pairs(sides), self._pulls(sides)
-        loops = loops_of(m)
-        newton = newton_pattern(m) if self._implicit else NewtonPattern((), (), (), (0,), (), 0)
         updates = [u for column in m.elimination.updates for u in column]
         belows = [b for column in m.elimination.below for b in column]
         sizes = {
@@ -204,8 +252,6 @@ class Layout:
             "nturn": sum(c.kind == "angle" for c in m.coordinates),
             "nlock": sum(joint.lock >= 0 for joint in m.joints),
             "ninput": len(m.inputs),
-            "nnode": len(newton.nodes),
-            "nnewton": newton.reals,
             "nstate": m.nstate,
             "nyielding": sum(force.law.yields for force in m.forces),
             "nbreak": len(m.breaks),
@@ -215,12 +261,6 @@ class Layout:
             "nv": m.nv,
             "nrow": m.nrow,
             "nout": m.nout,
-            "nlink": len(m.links),
-            "nx": m.nx,
-            "nu": m.nu,
-            "nloop": len(loops.loops),
-            "nreach": len(loops.reaches),
-            "nmeet": len(loops.meets),
         }
         for name, size in sizes.items():
             setattr(model, name, size)
@@ -244,22 +284,38 @@ class Layout:
         model.update = self._fill("jo_update", updates)
         first = np.cumsum([0, *(len(c) for c in m.elimination.updates)])
         model.update_first = self._fill("int", [int(i) for i in first])
-        model.node = self._fill("jo_node", list(newton.nodes))
-        model.branch = self._fill("jo_branch", list(newton.branches))
-        model.fill = self._fill("jo_fill", list(newton.fills))
-        model.fill_first = self._fill("int", list(newton.first))
-        model.place = self._fill("jo_place", list(newton.places))
         model.signal = self._signals()
         model.force = self._forces()
         model.friction = self._frictions()
         model.event = self._copied("jo_event", m.events)
         model.sensor = self._sensors()
         model.meter = self._meters()
+        self._link(model)
+        self._newton(model)
+        return model
+
+    def _link(self, model: Any) -> None:
+        """Lay out the links of a tree and the loops between them."""
+        m, loops = self._source, loops_of(self._source)
+        model.nlink, model.nx, model.nu = len(m.links), m.nx, m.nu
+        model.nloop, model.nreach = len(loops.loops), len(loops.reaches)
+        model.nmeet = len(loops.meets)
         model.link = self._copied("jo_link", m.links)
         model.loop = self._fill("jo_loop", loops.loops)
         model.reach = self._fill("jo_reach", loops.reaches)
         model.meet = self._fill("jo_meet", loops.meets)
-        return model
+
+    def _newton(self, model: Any) -> None:
+        """Lay out the pattern of Newton's matrix, empty without implicit methods."""
+        newton = NO_PATTERN
+        if self._implicit:
+            newton = newton_pattern(self._source)
+        model.nnode, model.nnewton = len(newton.nodes), newton.reals
+        model.node = self._fill("jo_node", list(newton.nodes))
+        model.branch = self._fill("jo_branch", list(newton.branches))
+        model.fill = self._fill("jo_fill", list(newton.fills))
+        model.fill_first = self._fill("int", list(newton.first))
+        model.place = self._fill("jo_place", list(newton.places))
 
     def _copied(self, kind: str, objects: Sequence[Any], more: int = 0) -> Any:
         """Return structs filled from objects, by equal names; `kind` selects the types.
@@ -370,7 +426,9 @@ class Layout:
             b, body = structs[i], bodies[i]
             for name in ("I3", "B0", "D0", "K", "D"):
                 array = self._override.get(("body", i, name), getattr(body, name))
-                setattr(b, name, self._constant(_padded(np.asarray(array), b.np), shared=array))
+                setattr(
+                    b, name, self._constant(padded_array(np.asarray(array), b.np), shared=array)
+                )
             for name, rows in (("ED", rows_d), ("EB", rows_b)):
                 array = self._override.get(("body", i, name), getattr(body, name))
                 setattr(
@@ -398,11 +456,11 @@ class Layout:
             np_ = -(-n // pad) * pad
             for name in ("Phi", "Psi"):
                 shapes = self._override.get(("marker", i, name), getattr(marker, name))
-                padded = None if shapes is None else _padded(np.asarray(shapes), np_)
+                padded = None if shapes is None else padded_array(np.asarray(shapes), np_)
                 setattr(s, name, self._constant(padded))
             if marker.chi is not None:
                 chi = self._override.get(("marker", i, "chi"), marker.chi)
-                s.chi = self._constant(_padded(np.asarray(chi), np_))
+                s.chi = self._constant(padded_array(np.asarray(chi), np_))
         return structs
 
     def _coordinates(self) -> Any:
@@ -467,10 +525,7 @@ class Layout:
         structs = self._copied("jo_force", self._source.forces)
         for i, force in enumerate(self._source.forces):
             s = structs[i]
-            data = force.data
-            if force.kind == "modal load":  # padded like the modes
-                n, pad = self._source.bodies[force.body].n, self._library.JO_PAD
-                data = _padded(data, 6 - (-n // pad) * pad)
+            data = force_numbers(force, self._source, self._library.JO_PAD)
             s.data = self._constant(data, ("force", i, "data"))
             if force.function is not None:
                 s.function, s.user, kept = callback(self._ffi, force.function, self.raised)
@@ -490,7 +545,7 @@ class Layout:
         for i, sensor in enumerate(self._source.sensors):
             if sensor.rows is not None:
                 n, pad = self._source.bodies[sensor.object].n, self._library.JO_PAD
-                structs[i].rows = self._constant(_padded(sensor.rows, -(-n // pad) * pad))
+                structs[i].rows = self._constant(padded_array(sensor.rows, -(-n // pad) * pad))
         return structs
 
     def _meters(self) -> Any:
@@ -525,10 +580,3 @@ def _filled(out: NDArray[np.intc], rows: Sequence[Sequence[int]]) -> list[int]:
     for k in range(out.shape[1]):
         out[:, k] = [row[k] if k < len(row) else 0 for row in rows]
     return [len(row) for row in rows]
-
-
-def _padded(array: NDArray[Any], length: int) -> NDArray[Any]:
-    """Return an array with the last axis padded by zeros."""
-    out = np.zeros((*array.shape[:-1], length), array.dtype)
-    out[..., : array.shape[-1]] = array
-    return out

@@ -35,6 +35,7 @@ PACE = ("step", "farthest", "ahead", "latest", "worst", "missed", "done")
 # joints count as closed below this gap, relative to the size of the mechanism or to its distance
 # from the origin
 CLOSED = 1e-14
+NO_EVENTS = np.zeros((0, 3))
 IMAGINARY = 1e-30  # imaginary step, for derivatives exact to round-off
 
 
@@ -59,6 +60,32 @@ class Tangent:
 
 class SingularJoints(InputError):
     """Error raised for redundant or contradictory constraint rows."""
+
+
+class _View:
+    """Array in the memory of an engine: the library's function ``jo_data_NAME`` has its address.
+
+    Parameters
+    ----------
+    count : function
+        Number of its elements for a model.
+    kind : type, optional
+        Type of the elements; None for the scalars of the engine.
+    """
+
+    def __init__(self, count: Callable[[Model], int], kind: Any = None) -> None:
+        self._count, self._kind = count, kind
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, engine: Any, owner: type) -> Any:
+        if engine is None:
+            return self
+        pointer = getattr(engine._library, f"jo_data_{self._name}")(engine._data)
+        made = engine._view(pointer, self._count(engine.model), self._kind)
+        vars(engine)[self._name] = made  # the next use finds it without this function
+        return made
 
 
 @explained
@@ -108,44 +135,66 @@ class Engine:
         if data == self._ffi.NULL:
             raise MemoryError("no memory for the engine's workspace")
         self._data = self._ffi.gc(data, self._library.jo_data_free)
-        self.q = self._view(self._library.jo_data_q(data), model.nq)
-        self.v = self._view(self._library.jo_data_v(data), model.nv)
-        self.a = self._view(self._library.jo_data_a(data), model.nv)
-        self.lam = self._view(self._library.jo_data_lam(data), model.nrow)
-        self.time = self._view(self._library.jo_data_time(data), 1)
-        self.gravity = self._view(self._model.gravity, 3)  # m/s2, for this engine only
-        self.work = self._view(self._library.jo_data_work(data), len(places("jo_work")))
-        self.power = self._view(self._library.jo_data_power(data), len(places("jo_work")))
-        self.input = self._view(self._library.jo_data_input(data), len(model.inputs))
-        turns = sum(c.kind == "angle" for c in model.coordinates)
-        self.turn = self._view(self._library.jo_data_turn(data), turns)
-        locks = sum(joint.lock >= 0 for joint in model.joints)
-        self.locked = self._view(self._library.jo_data_locked(data), locks, np.intc)
-        self.held = self._view(self._library.jo_data_held(data), 2 * locks)
-        frictions = 2 * len(model.frictions)
-        self.direction = self._view(self._library.jo_data_direction(data), frictions)
-        self.rub = self._view(self._library.jo_data_rub(data), frictions)
-        self.slip = self._view(self._library.jo_data_slip(data), len(model.frictions), np.intc)
-        self.happened = self._view(self._library.jo_data_happened(data), len(model.events), np.intc)
-        memory = sum(meter_size(meter.rule) for meter in model.meters)
-        self.meters = self._view(self._library.jo_data_memory(data), memory, np.float64)
-        bent = self._view(self._library.jo_data_bent(data), 2 * len(model.beams), np.float64)
-        self.bent = bent.reshape(-1, 2)
-        self.states = self._view(self._library.jo_data_states(self._model, data), model.nstate)
-        self.state_rates = self._view(
-            self._library.jo_data_state_rates(self._model, data), model.nstate
-        )
-        self.joint = self._view(self._library.jo_data_joint(data), model.nx + model.nu)
         self.counts = self._library.jo_data_counts(data)
         self.row_size = int(self._library.jo_row_size(self._model))
         self._count = self._ffi.new("long long *", 0)
         self._entries: tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]] | None = None
-        for signal in model.signals:
+        for signal in model.signals if model.inputs else ():
             if signal.kind == "input":
                 self.input[signal.count] = named("jo_constant_data", signal.data).value
         self.q[:] = model.q0
         self.v[:] = model.v0
-        self.start_states()
+        if model.nstate:
+            self.start_states()
+
+    # -- its memory: views, made at their first use --------------------------------------------
+
+    q = _View(lambda model: model.nq)
+    v = _View(lambda model: model.nv)
+    a = _View(lambda model: model.nv)
+    lam = _View(lambda model: model.nrow)
+    time = _View(lambda model: 1)
+    work = _View(lambda model: len(places("jo_work")))
+    power = _View(lambda model: len(places("jo_work")))
+    input = _View(lambda model: len(model.inputs))
+    turn = _View(lambda model: sum(c.kind == "angle" for c in model.coordinates))
+    locked = _View(lambda model: sum(joint.lock >= 0 for joint in model.joints), np.intc)
+    held = _View(lambda model: 2 * sum(joint.lock >= 0 for joint in model.joints))
+    direction = _View(lambda model: 2 * len(model.frictions))
+    rub = _View(lambda model: 2 * len(model.frictions))
+    slip = _View(lambda model: len(model.frictions), np.intc)
+    happened = _View(lambda model: len(model.events), np.intc)
+    joint = _View(lambda model: model.nx + model.nu)
+
+    @cached_property
+    def gravity(self) -> Scalars:
+        """Acceleration of free fall (3,), m/s2, for this engine only."""
+        return self._view(self._model.gravity, 3)
+
+    @cached_property
+    def meters(self) -> Scalars:
+        """Memory of the damage meters."""
+        count = sum(meter_size(meter.rule) for meter in self.model.meters)
+        return self._view(self._library.jo_data_memory(self._data), count, np.float64)
+
+    @cached_property
+    def bent(self) -> Scalars:
+        """Largest bending of each beam element so far (nbeam, 2)."""
+        count = 2 * len(self.model.beams)
+        found = self._view(self._library.jo_data_bent(self._data), count, np.float64)
+        return found.reshape(-1, 2)
+
+    @cached_property
+    def states(self) -> Scalars:
+        """First-order states of forces."""
+        pointer = self._library.jo_data_states(self._model, self._data)
+        return self._view(pointer, self.model.nstate)
+
+    @cached_property
+    def state_rates(self) -> Scalars:
+        """Rates of the first-order states."""
+        pointer = self._library.jo_data_state_rates(self._model, self._data)
+        return self._view(pointer, self.model.nstate)
 
     # -- evaluations -----------------------------------------------------------------------
 
@@ -248,7 +297,7 @@ class Engine:
         """Return time, event and direction (k, 3) of the events in the last `run` or `step`."""
         count = int(self._library.jo_data_logged(self._data))
         if count == 0:
-            return np.zeros((0, 3))
+            return NO_EVENTS
         log = self._ffi.buffer(self._library.jo_data_log(self._data), 24 * count)
         return np.frombuffer(log, np.float64).reshape(count, 3).copy()
 
@@ -495,7 +544,7 @@ class Engine:
 
     def count(self, pointer: Any) -> int:
         """Return how many structs or numbers a pointer of the jo_model leads to."""
-        return self._layout.counts[int(self._ffi.cast("uintptr_t", pointer))]
+        return self._layout.count(int(self._ffi.cast("uintptr_t", pointer)))
 
     @property
     def bytes(self) -> int:

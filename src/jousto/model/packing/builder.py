@@ -141,16 +141,7 @@ class Builder:
                 other=places[1] if len(places) > 1 else -1,
                 sticks=lock >= 0,
                 lock=lock,
-                data=packed(
-                    "jo_friction_data",
-                    mu_kinetic=friction.mu_kinetic,
-                    mu_static=friction.mu_static,
-                    velocity=getattr(law, "velocity", 1.0),
-                    radius=friction.radius or 0.0,
-                    bearing=friction.bearing_length or 0.0,
-                    collar=friction.collar_radius or 0.0,
-                    preload=friction.preload,
-                ),
+                data=friction_numbers(friction),
             )
         )
         return len(self.frictions) - 1
@@ -197,6 +188,10 @@ class Builder:
         )
         return self._places.setdefault(key, place) if law.name else place
 
+    def place_of(self, signal: Signal) -> int:
+        """Return the index of a signal that was added before."""
+        return self._places["signal", id(signal)]
+
     def _append(self, signal: SignalModel) -> int:
         self.signals.append(signal)
         return len(self.signals) - 1
@@ -232,6 +227,20 @@ class Builder:
             state_names=push.states,
             element=force.kind,
         )
+
+
+def friction_numbers(friction: Friction) -> NDArray[np.float64]:
+    """Return the numbers of a friction in the order of the engine header."""
+    return packed(
+        "jo_friction_data",
+        mu_kinetic=friction.mu_kinetic,
+        mu_static=friction.mu_static,
+        velocity=getattr(friction.law, "velocity", 1.0),
+        radius=friction.radius or 0.0,
+        bearing=friction.bearing_length or 0.0,
+        collar=friction.collar_radius or 0.0,
+        preload=friction.preload,
+    )
 
 
 def numbers_of(law: Law | Push) -> NDArray[np.float64]:

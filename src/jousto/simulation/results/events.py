@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arrays import read_only
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 
+NOTHING = read_only(np.zeros((0, 4)))  # no events
 FRICTION_CHANGES = ("sticks", "slips forward", "slips backward")  # 0, 1, -1 of the engine's log
 
 
@@ -92,6 +94,8 @@ class Chronicle:
     def read(self) -> NDArray[np.float64]:
         """Return time, source, value and count (k, 4) of the events of the last engine call."""
         log = self._engine.happenings()
+        if not len(log):
+            return NOTHING
         out = np.zeros((len(log), 4))
         for i, (time, source, value) in enumerate(log):
             self._counts[int(source)] += 1

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from weakref import WeakKeyDictionary
 
-from jousto.model.model import Model
+from jousto.model.model import Model, structure_of
 from jousto.model.native.header import places
 from jousto.simulation.state import MEMORY, memory_sizes
 
@@ -48,6 +48,7 @@ _KNOWN: WeakKeyDictionary[Model, tuple[Column, ...]] = WeakKeyDictionary()
 
 def columns(model: Model) -> tuple[Column, ...]:
     """Return the datasets in a row of this model, in the order of the engine (cached)."""
+    model = structure_of(model)
     if model not in _KNOWN:
         _KNOWN[model] = _columns(model)
     return _KNOWN[model]

@@ -8,6 +8,7 @@ import tempfile
 import weakref
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -64,9 +65,15 @@ class Solution(Mapping[str, Array]):
         records = FileRecords(Path(source)) if isinstance(source, (str, Path)) else source
         self._records: Records = records
         self._temporary = temporary
-        self.attributes: dict[str, Any] = dict(records.attributes)
+        if self._path is not None:  # the file may change later
+            vars(self)["attributes"] = dict(records.attributes)
         if temporary and self._path:
             self._remove_with_this(self._path.parent)
+
+    @cached_property
+    def attributes(self) -> dict[str, Any]:
+        """Attributes of the run: solver, step, wall_time (s), real_time_factor, ended ..."""
+        return dict(self._records.attributes)
 
     def _remove_with_this(self, folder: Path) -> None:
         self._remove = weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)

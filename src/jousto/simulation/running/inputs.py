@@ -61,6 +61,8 @@ class Feed:
         InputFailed
             If a function of the user raises, or its value is not a finite number.
         """
+        if not self._held:
+            return
         time = float(engine.time[0].real)
         for h in self._held:
             if done % h.every == 0:
@@ -106,10 +108,12 @@ def connect(
     InputError
         If an input does not exist or its value is invalid.
     """
+    if not inputs:
+        return model, Feed(())
     problems = Problems()
     signals: dict[str, Signal] = {}
     waiting: list[tuple[str, int, Callable[[int, float], float]]] = []
-    for name, value in (inputs or {}).items():
+    for name, value in inputs.items():
         place = f"{where}: input {name!r}"
         if name not in model.inputs:
             problems.add(where, f"inputs: no input {name!r}{suggest(name, model.inputs)}")

@@ -24,7 +24,7 @@ from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.run_checks import Contradiction, RunWatch
 from jousto.simulation.running.simulate import simulate
 from jousto.simulation.running.start_state import initial_state
-from jousto.simulation.solvers.base import prepared
+from jousto.simulation.solvers.base import prepared, solver_text
 from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.implicit import Newton
 from jousto.simulation.solvers.schedule import schedule
@@ -86,7 +86,7 @@ class Repeated:
         ] = []  # unused engines at t = 0; one thread uses an engine at a time
         self._plain = not solver.adaptive and 8 * self._rows * self._width <= IN_MEMORY
         self._about = {
-            "solver": repr(solver),
+            "solver": solver_text(solver),
             "chosen": reason,
             "step": plan.step,
             "t_end": self.t_end,
@@ -161,7 +161,7 @@ class Repeated:
         kind = ""
         if self._plain and not self._stepped and self._solver.lanes:
             kind = structure(self.model)
-        return (kind, repr(self._solver), self.plan) if kind else None
+        return (kind, solver_text(self._solver), self.plan) if kind else None
 
     def begin(self, inputs: dict[str, float], stepped: bool = False) -> Started:
         """Return an engine at the initial state with these inputs, for `finish`."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,9 +20,19 @@ from jousto.simulation.results.diagnostics import FAIR, STEADY
 SIGNS = np.array(
     [-1.0 if name == "work" else 1.0 for name in ENERGIES]
 )  # signs of the terms of the energy balance
+UNSEEN = np.full(len(ENERGIES), np.inf)  # smallest energies before the first row, J
 GAP_LIMIT = 1e-9  # gap of a joint over the size of the mechanism, above which it is warned of
 STILL = 1e-9  # displacement in a run over the size of the mechanism, below which a body is at rest
 OPEN_LIMIT = 1e-4  # gap over the size of the mechanism, above which redundant joints end the run
+
+
+@functools.cache
+def _diagnostics() -> tuple[slice, int]:
+    """Return the places of the energies, one after the other, and of the gaps."""
+    at = places("jo_diagnostics")
+    first = at[ENERGIES[0]].start
+    assert [at[name].start - first for name in ENERGIES] == list(range(len(ENERGIES)))
+    return slice(first, first + len(ENERGIES)), at["position_residual"].start
 
 
 class Contradiction(Exception):
@@ -35,11 +47,10 @@ class RunWatch:
     ) -> None:
         self._model = model
         self._projected = projected
-        first, at = 1 + model.nq + model.nv + model.nrow, places("jo_diagnostics")
-        self._terms = [first + at[name].start for name in ENERGIES]
-        self._gaps = first + at["position_residual"].start
-        self._low = np.full(len(ENERGIES), np.inf)
-        self._high = np.full(len(ENERGIES), -np.inf)
+        first, (terms, gaps) = 1 + model.nq + model.nv + model.nrow, _diagnostics()
+        self._terms = slice(first + terms.start, first + terms.stop)
+        self._gaps = first + gaps
+        self._low, self._high = UNSEEN, -UNSEEN
         self._start: float | None = None
         self._since = self._until = 0.0
         self._missed = 0.0
@@ -58,12 +69,15 @@ class RunWatch:
             return
         terms = rows[:, self._terms]
         balance = terms @ SIGNS
-        self._low = np.fmin(self._low, terms.min(axis=0))
-        self._high = np.fmax(self._high, terms.max(axis=0))
+        low, high = np.minimum.reduce(terms), np.maximum.reduce(terms)
         if self._start is None:
             self._start, self._since = float(balance[0]), float(rows[0, 0])
+            self._low, self._high = low, high
+        else:
+            self._low, self._high = np.fmin(self._low, low), np.fmax(self._high, high)
         self._until = float(rows[-1, 0])
-        self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
+        if len(rows) > 1 or balance[0] != self._start:
+            self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
         for k, spin in enumerate(self._spins):
             self._turning[k] = max(self._turning[k], spin.squared(rows))
         for k, bend in enumerate(self._bends):
@@ -71,8 +85,8 @@ class RunWatch:
         for k, motor in enumerate(self._motors):
             self._fast[k] = max(self._fast[k], motor.fastest(rows))
         gaps = rows[:, self._gaps]
-        if gaps.max() > self._gap:
-            self._gap, self._open = float(gaps.max()), rows[int(np.argmax(gaps))].copy()
+        if (widest := float(np.maximum.reduce(gaps))) > self._gap:
+            self._gap, self._open = widest, rows[int(np.argmax(gaps))].copy()
         if self._projected and self._model.redundant:
             limit = OPEN_LIMIT * self._model.size
             if self._gap > limit:
@@ -114,6 +128,20 @@ class RunWatch:
         for motor, speed in zip(self._motors, self._fast, strict=True):
             if sentence := motor.sentence(speed):
                 warn(where, sentence)
+        # one of the exchanged energies, a lower bound of their sum
+        if self._missed > FAIR * float(
+            (self._high - self._low)[: len(places("jo_energies"))].max()
+        ):
+            self._judge_balance(where)
+        if self._projected and self._open is not None and self._gap > GAP_LIMIT * self._model.size:
+            warn(
+                where,
+                f"joints opened by up to {self._gap:.3g} m in spite of the projection, "
+                f"at {self._open[0]:.4g} s {self._gaping(self._open)}; take a smaller step",
+            )
+
+    def _judge_balance(self, where: str) -> None:
+        """Warn of the error of the energy balance if it is noticeable."""
         low, high = self._extremes()
         exchanged = sum(high[name] - low[name] for name in places("jo_energies"))
         # no check of a machine that moves by round-off only
@@ -128,10 +156,4 @@ class RunWatch:
                 f"the error of the energy balance is {self._missed:.3g} J of {exchanged:.3g} J "
                 f"exchanged ({100 * self._missed / max(exchanged, 1e-300):.2g} %); a smaller "
                 "step is more accurate",
-            )
-        if self._projected and self._open is not None and self._gap > GAP_LIMIT * self._model.size:
-            warn(
-                where,
-                f"joints opened by up to {self._gap:.3g} m in spite of the projection, "
-                f"at {self._open[0]:.4g} s {self._gaping(self._open)}; take a smaller step",
             )

@@ -35,7 +35,7 @@ from jousto.simulation.running.inputs import Feed, InputFailed, connect
 from jousto.simulation.running.run_checks import Contradiction, RunWatch
 from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.adaptive import LONGEST, follow, too_many_steps
-from jousto.simulation.solvers.base import Solver, prepared
+from jousto.simulation.solvers.base import Solver, prepared, solver_text
 from jousto.simulation.solvers.beam_checks import warn_bent
 from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.schedule import Schedule, cautions, schedule
@@ -176,7 +176,7 @@ def simulate(
         _start(engine, state, plan)
         engine.steps_done = plan.before
     attributes = {
-        "solver": repr(solver),
+        "solver": solver_text(solver),
         "chosen": reason,
         "step": plan.step,
         "t_end": float(t_end),
@@ -195,12 +195,16 @@ def simulate(
 
 def _warn_at_rest(model: Model) -> None:
     """Warn if the model has no force, drive or initial velocity that starts a motion."""
-    pushed = any(f.kind != "load" or model.markers[f.a].body >= 0 for f in model.forces)
-    driven = any(is_drive(joint) for joint in model.joints)
+    if (
+        model.gravity.any()
+        or model.beams
+        or any(f.kind != "load" or model.markers[f.a].body >= 0 for f in model.forces)
+        or any(is_drive(joint) for joint in model.joints)
+        or model.v0.any()
+    ):
+        return
     # a bent beam moves without any load
-    bent = any(model.q0[b.iq + 7 : b.iq + 7 + b.n].any() for b in model.bodies)
-    loaded = pushed or driven or model.gravity.any()
-    if not (loaded or bent or model.beams or model.v0.any()):
+    if not any(model.q0[b.iq + 7 : b.iq + 7 + b.n].any() for b in model.bodies):
         warn(
             f"simulate {model.name!r}",
             "no gravity, no force, no drive and no initial velocity: nothing will move",
@@ -209,6 +213,8 @@ def _warn_at_rest(model: Model) -> None:
 
 def _tell_of_ringing(model: Model) -> None:
     """Log how to avoid the vibration of moving elastic bodies that are undeformed at the start."""
+    if not log.isEnabledFor(logging.INFO):
+        return
     elastic = [b for b in model.bodies if b.n]
     straight = not any(model.q0[b.iq + 7 : b.iq + 7 + b.n].any() for b in elastic)
     if elastic and straight and model.v0.any():
@@ -317,8 +323,9 @@ def _run(
             f"only the first {EVENTS} events are in the results; declare fewer events",
         )
     watch.judge()
-    warn_bent(engine)
-    if not watch.rubbed:
+    if engine.model.beams:
+        warn_bent(engine)
+    if engine.model.frictions and not watch.rubbed:
         _warn_idle_friction(engine)
     if engine.counts.singular and not engine.model.redundant:
         warn(
@@ -358,7 +365,8 @@ def _loop(
     """Step to the end in calls of WALL_PER_CALL; return the cause of an early end, or None."""
     model = engine.model
     native = prepared(engine, solver, plan.step)
-    capacity = max(2, min(4096, BUFFER_BYTES // (8 * engine.row_size)))
+    most = plan.steps // plan.every + 3
+    capacity = max(2, min(4096, most, BUFFER_BYTES // (8 * engine.row_size)))
     rows = np.zeros((capacity, engine.row_size))
     if solver.adaptive:
         native.largest = native.largest or LONGEST * plan.step * plan.steps

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -87,6 +88,12 @@ def solvers() -> tuple[type[Solver], ...]:
 def known() -> str:
     """Return the names of all solvers, for messages."""
     return ", ".join(cls.__name__ for cls in solvers())
+
+
+@lru_cache(maxsize=64)
+def solver_text(solver: Solver) -> str:
+    """Return the call that makes a solver, as results contain it."""
+    return repr(solver)
 
 
 def prepared(engine: Engine, solver: Solver, step: float) -> Any:

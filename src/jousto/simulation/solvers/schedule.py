@@ -73,6 +73,8 @@ def schedule(
         problems.add(where, f"solver is {solver!r}, {one_of}", "solver")
     times = [("t_end", t_end)] + ([] if output_step is None else [("output_step", output_step)])
     for name, value in times:
+        if type(value) is float and 0.0 < value < np.inf:
+            continue
         if problems.array(where, name, value, ()) is not None:
             problems.positive(where, name, float(value), "s")
     problems.raise_if_any()

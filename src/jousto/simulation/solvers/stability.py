@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +76,22 @@ def all_beam_eigenvalues(model: Model) -> list[Eigenvalues]:
     return found
 
 
+_FREE: WeakKeyDictionary[Model, list[Eigenvalues]] = WeakKeyDictionary()
+
+
+def modal_bodies(model: Model) -> list[int]:
+    """Return the indices of the bodies with modes."""
+    return [i for i, body in enumerate(model.bodies) if body.n]
+
+
+def free_eigenvalues(model: Model) -> list[Eigenvalues]:
+    """Return the eigenvalues of each free body with modes and each beam element, 1/s (cached)."""
+    if model not in _FREE:
+        bodies = [body_eigenvalues(model, i) for i in modal_bodies(model)]
+        _FREE[model] = bodies + all_beam_eigenvalues(model)
+    return _FREE[model]
+
+
 def mechanism_eigenvalues(model: Model) -> Eigenvalues:
     """Return the largest eigenvalues of the linearised mechanism at its initial state, 1/s.
 
@@ -85,9 +102,7 @@ def mechanism_eigenvalues(model: Model) -> Eigenvalues:
     `friction_warning` checks the regularised law.
     """
     engine = Engine(replace(model, frictions=()))
-    free = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
-    free += all_beam_eigenvalues(model)
-    scale = max(np.abs(e).max(initial=0.0) for e in free)
+    scale = max(np.abs(e).max(initial=0.0) for e in free_eigenvalues(model))
     nv, unit = model.nv, model.size / velocity_metres(model)
 
     def rate(x: Array) -> Array:
@@ -122,14 +137,16 @@ def stability_warning(model: Model, solver: Solver, step: float) -> str:
     sentence = _baumgarte_warning(solver, step)
     if sentence:
         return sentence
-    eigenvalues = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
-    eigenvalues += all_beam_eigenvalues(model)
-    names = [body.name for body in model.bodies] + [beam.body for beam in model.beams]
+    modal = modal_bodies(model)
+    if not modal and not model.beams:
+        return ""
+    eigenvalues = free_eigenvalues(model)
+    names = [model.bodies[i].name for i in modal] + [beam.body for beam in model.beams]
     largest = [np.abs(e[solver.unstable(step, e)]).max(initial=0.0) for e in eigenvalues]
     if not any(largest):
         return ""
     body = names[int(np.argmax(largest))]
-    beam = int(np.argmax(largest)) >= len(model.bodies)
+    beam = int(np.argmax(largest)) >= len(modal)
     from scipy.sparse.linalg import ArpackNoConvergence  # slow to import and rarely needed
 
     try:

@@ -9,10 +9,12 @@ from typing import Any, Protocol
 
 from jousto.base.arguments import DEEP
 from jousto.base.errors import InputError, JoustoError, Problem, suggest
-from jousto.design.studies.case import Counts, Machine, Settings
+from jousto.design.studies.case import Counts, Machine, Models, Numbered, Settings
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.running.content_hash import key_of
+from jousto.mechanism.checks import input_names
 from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.numbers import has_number
 from jousto.model.model import Model
 from jousto.reduction.files.memory_cache import Recalled
 from jousto.simulation.results.solution import Solution
@@ -29,6 +31,8 @@ class Memory:
         Reduced parts by their content.
     counts : dict
         Numbers of reductions, compilations and runs.
+    models : Models
+        Compiled models.
     kept : dict
         Cached intermediate results of a source.
     """
@@ -36,6 +40,7 @@ class Memory:
     def __init__(self) -> None:
         self.reductions = Recalled()
         self.counts: Counts = {"compilations": 0, "runs": 0}
+        self.models = Models(self.counts)
         self.kept: dict[Any, Any] = {}
 
 
@@ -103,12 +108,12 @@ class FunctionSource:
         if not isinstance(made, Mechanism | Model | Solution):
             kind = type(made).__name__
             raise InputError(Problem("study", f"the function returned a {kind}, must be {MADE}"))
-        return Machine(made, self.settings, (), memory.counts)
+        return Machine(made, self.settings, (), memory.models)
 
 
 @dataclass(frozen=True, eq=False)
 class FixedSource:
-    """Source: one machine with variable external inputs."""
+    """Source: one machine with variable numbers and external inputs."""
 
     made: Mechanism | Model
     settings: Settings
@@ -121,12 +126,17 @@ class FixedSource:
         return key_of(self.made)
 
     def takes(self, name: str) -> bool:
-        """Return False: every parameter is an input."""
-        return False
+        """Return whether a parameter is a number of the mechanism; otherwise it is an input."""
+        if not isinstance(self.made, Mechanism):
+            return False
+        return name not in input_names(self.made) and has_number(self.made, name)
 
     def machine(self, values: Mapping[str, float], memory: Memory) -> Machine:
-        """Return the machine."""
-        return Machine(self.made, self.settings, (), memory.counts)
+        """Return the machine with these numbers."""
+        made: Any = self.made
+        if values:
+            made = Numbered(made, dict(values))
+        return Machine(made, self.settings, (), memory.models)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +176,7 @@ class FileSource:
             own["state"] = simulation.begin
         how = {key: value for key, value in own.items() if value is not None}
         settings = Settings(t_end, how | dict(self.settings.how))
-        return Machine(mechanism, settings, checks, memory.counts)
+        return Machine(mechanism, settings, checks, memory.models)
 
 
 def source_of(model: Any, settings: Settings) -> Source:
