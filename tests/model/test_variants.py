@@ -246,6 +246,8 @@ def test_a_variant_leaves_the_others_alone() -> None:
         rows(variants.with_numbers({"rod.mass": mass}))
     assert rows(first) == before and rows(variants.model) == rows(jo.compile(rod()))
     assert engine.mass_matrix(0)[0, 0] == 2.0
+    stepped = Engine(first, complex_scalars=True)  # for derivatives
+    np.testing.assert_array_equal(stepped.mass_matrix(0), engine.mass_matrix(0))
 
 
 def test_mistakes_are_explained() -> None:

@@ -138,7 +138,8 @@ class Layout:
         m = self._source
         base = _BASE.get(m) or _LAID[m]
         plain = base.get((id(self._library), True)) or base.get((id(self._library), False))
-        if (other := _LIKE.get(m)) is not None:
+        real = self._dtype == np.float64  # numbers of the complex build are laid out anew
+        if real and (other := _LIKE.get(m)) is not None:
             theirs = self._laid_of(other)
             if plain is not None and theirs.extends:
                 return theirs.on(plain)
