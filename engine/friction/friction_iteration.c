@@ -1,7 +1,8 @@
 /* friction_iteration.c - friction forces f that agree with the multipliers which they change: fixed point f = F(lam(f)).
  *
- * The multipliers are linear in f. With up to JO_REACH forces the changes of the reactions by unit forces are computed once, and an
- * iteration needs products only; with more forces each iteration solves for the change of the multipliers with the factors.
+ * The multipliers are linear in f. With few forces the changes of the reactions by unit forces are computed once, and an iteration needs
+ * products only; with more forces each iteration solves for the change of the multipliers with the factors. In trees the latter costs one
+ * pass over the links back and forth for all forces together, so that only a single force has its unit response computed.
  */
 #include "valid.h"
 #include "maximal/maximal.h"
@@ -13,23 +14,21 @@ enum { JO_MAX_ITERATIONS = 60 };
 enum { JO_MAX_STAGNANT = 3 };   /* iterations without reduction by JO_MIN_REDUCTION after which the accuracy JO_NEARLY suffices */
 #define JO_AGREED 1e-12         /* |F(lam(f)) - f| / |F| at convergence */
 #define JO_NEARLY 1e-6          /* the same ratio that suffices if round-off prevents JO_AGREED */
+#define JO_FAST 0.1             /* ratio of successive residuals below which the next residual is predicted from this ratio */
 #define JO_MIN_REDUCTION 0.5    /* residual relative to the smallest previous residual, below which an iteration counts as progress */
 #define JO_DERIVATIVE_WEIGHT 1e-2   /* weight of the residual of derivatives (imaginary part) against that of values */
 /* square of the part of a vector orthogonal to others, relative to the square of the vector, below which it is dependent */
 #define JO_INDEPENDENT 1e-12
 #define JO_SHORT_START 1e-2     /* share of the first change in the second attempt, which approaches the smallest solution from f = 0 */
 
-#ifdef JO_COMPLEX
-#define JO_IM(x) cimag(x)
-#else
-#define JO_IM(x) 0.0
-#endif
-
 static inline jo_real dot(const jo_real *x, const jo_real *y, const int n)
 {
+    jo_lanes products = {0.0};
     jo_real s = 0.0;
-    for (int i = 0; i < n; i++) s += x[i] * y[i];
-    return s;
+    int i = 0;
+    for (; i + JO_WIDTH <= n; i += JO_WIDTH) products += JO_LOAD(x + i) * JO_LOAD(y + i);
+    for (; i < n; i++) s += x[i] * y[i];
+    return n < JO_WIDTH ? s : s + jo_sum(products);
 }
 
 /* y (2): largest magnitude of the real and imaginary parts of x (n) */
@@ -37,9 +36,12 @@ static inline void largest(const jo_real *x, const int n, double *y)
 {
     y[0] = y[1] = 0.0;
     for (int i = 0; i < n; i++) {
-        const double re = fabs(JO_RE(x[i])), im = fabs(JO_IM(x[i]));
+        const double re = fabs(JO_RE(x[i]));
         if (!(re <= y[0])) y[0] = re;
+#ifdef JO_COMPLEX
+        const double im = fabs(cimag(x[i]));
         if (!(im <= y[1])) y[1] = im;
+#endif
     }
 }
 
@@ -49,6 +51,9 @@ static double relative_size(const double *r, const double *f)
     const double re = r[0] > 0.0 ? r[0] / f[0] : 0.0, im = r[1] > 0.0 ? JO_DERIVATIVE_WEIGHT * r[1] / f[1] : 0.0;
     return re > im ? re : im;
 }
+
+/* whether the changes of the reactions by unit forces are computed in advance, for n forces */
+static inline int has_reach(const jo_data *d, int n) { return n <= (jo_tree_active(d) ? 1 : JO_REACH); }
 
 /* ---- change of the multipliers by friction forces ------------------------------------------------ */
 
@@ -104,8 +109,8 @@ static void find_sliding(const jo_model *m, jo_data *d, const jo_stage *stage)
         jo_friction_joint_reaction(m, d, f, s->start);
         w->nsliding++;
     }
-    if (w->n > JO_REACH) {
-        for (int i = 0; i < m->nrow; i++) w->lam[i] = d->lam[i];
+    if (!has_reach(d, w->n)) {
+        for (int i = 0; i < m->nrow && !jo_tree_active(d); i++) w->lam[i] = d->lam[i];
         return;
     }
     for (int c = 0; c < w->n; c++) w->f[c] = 0.0;
@@ -123,7 +128,7 @@ static void find_sliding(const jo_model *m, jo_data *d, const jo_stage *stage)
 static inline void update_reactions(const jo_model *m, jo_data *d, const jo_stage *stage, const int n, const int nsliding)
 {
     jo_anderson *w = &d->friction;
-    if (n <= JO_REACH) {
+    if (has_reach(d, n)) {
         for (int i = 0; i < nsliding; i++) {
             jo_sliding_friction *s = &w->sliding[i];
             for (int j = 0; j < 6; j++) s->y[j] = s->start[j];
@@ -132,14 +137,12 @@ static inline void update_reactions(const jo_model *m, jo_data *d, const jo_stag
         }
         return;
     }
-    change_multipliers(m, d, stage, w->change);
+    change_multipliers(m, d, stage, jo_tree_active(d) ? w->f : w->change);
     store_multipliers(m, d, d->lam, 1);
     for (int i = 0; i < w->nsliding; i++) {
         jo_sliding_friction *s = &w->sliding[i];
-        jo_real before[6];
-        for (int j = 0; j < 6; j++) before[j] = s->y[j];
         reaction_change(m, d, s, d->lam, s->y);
-        for (int j = 0; j < 6 && jo_tree_active(d); j++) s->y[j] += before[j];   /* in trees y is only the change */
+        for (int j = 0; j < 6 && jo_tree_active(d); j++) s->y[j] += s->start[j];   /* in trees y is only the change by f */
     }
 }
 
@@ -164,7 +167,8 @@ static void anderson_step(jo_anderson *w, int n, jo_real *change)
         const jo_real square = dot(q, q, n);
         if (!(JO_RE(square) > JO_INDEPENDENT * before)) continue;
         R[count][count] = jo_sqrt(square);
-        for (int i = 0; i < n; i++) q[i] /= R[count][count];
+        const jo_real inverse = 1.0 / R[count][count];
+        for (int i = 0; i < n; i++) q[i] *= inverse;
         used[count++] = p;
     }
     for (int k = count - 1; k >= 0; k--) {
@@ -196,12 +200,12 @@ static inline int iterate(const jo_model *m, jo_data *d, const jo_stage *stage, 
                          const int nsliding)
 {
     jo_anderson *w = &d->friction;
-    double off[2], all[2], best = INFINITY;
+    double off[2], all[2], best = INFINITY, last = 0.0;
     int steep = 0, stagnant = 0;
     w->pairs = 0;
     w->newest = JO_PAIRS - 1;
     for (int i = 0; i < n; i++) w->f[i] = 0.0;
-    for (int i = 0; i < m->nrow && n > JO_REACH; i++) d->lam[i] = w->lam[i];
+    for (int i = 0; i < m->nrow && !has_reach(d, n) && !jo_tree_active(d); i++) d->lam[i] = w->lam[i];
     for (int i = 0; i < nsliding; i++)
         for (int j = 0; j < 6; j++) w->sliding[i].y[j] = w->sliding[i].start[j];
     for (int k = 0;; k++) {
@@ -238,7 +242,11 @@ static inline int iterate(const jo_model *m, jo_data *d, const jo_stage *stage, 
             w->before[i] = w->r[i];
             w->f[i] += w->change[i];
         }
-        update_reactions(m, d, stage, n, nsliding);
+        /* the next residual, if it decreases by the same ratio as the last one; the ratio itself decreases */
+        const int done = apart < JO_FAST * last && apart * apart <= JO_AGREED * last;
+        if (!done || !jo_tree_active(d)) update_reactions(m, d, stage, n, nsliding);   /* in trees apply_friction updates the links */
+        if (done) return !steep;
+        last = apart;
     }
 }
 
@@ -280,7 +288,7 @@ static void apply_friction(const jo_model *m, jo_data *d, const jo_stage *stage)
         return;
     }
     jo_free_changed(m, d, stage->set);
-    for (int c = 0; c < w->n && w->n <= JO_REACH; c++)
+    for (int c = 0; c < w->n && has_reach(d, w->n); c++)
         for (int i = 0; i < m->nrow; i++) d->lam[i] += w->f[c] * w->reach[c * m->nrow + i];
     const jo_real *lam = d->lam;
     for (int i = 0; i < m->njoint; i++)

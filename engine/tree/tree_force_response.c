@@ -19,16 +19,21 @@ static inline void pass_to_joint(jo_data *d, const jo_link_work *w, jo_link_resp
     if (g->to >= 0) d->tree.coupling[g->to].added_u += g->c * w->Dinv * c->u;
 }
 
-/* f^a = f^A - U D^-1 u, added to the parent, with u = added_tau + S^T f^A */
+/* f^a = f^A - U D^-1 u, added to the parent, with u = added_tau + S^T f^A; a parent i - 1 receives it in registers */
 static void backward_pass(const jo_model *m, jo_data *d)
 {
+    jo_vec f = jo_vec_zero(), t = f;   /* f^a of link i + 1 if that is a child of link i, else 0 */
     for (int i = 0; i < m->nlink && d->tree.coupled; i++) d->tree.coupling[i].added_u = jo_same(0.0);
     for (int i = m->nlink - 1; i >= 0; i--) {
         const jo_link *k = &m->link[i];
         const jo_link_work *w = &d->tree.link[i + 1];
         jo_link_response *c = &d->tree.response[i + 1], *p = &d->tree.response[k->parent + 1];
-        jo_vec f = c->f, t = c->t;
-        if (k->type == JO_LINK_FREE) continue;
+        f = c->f = jo_vec_add(c->f, f);
+        t = c->t = jo_vec_add(c->t, t);
+        if (k->type == JO_LINK_FREE) {
+            f = t = jo_vec_zero();
+            continue;
+        }
         if (k->type == JO_LINK_BALL) {   /* f - H J^-1 t; no moment remains */
             f = jo_vec_sub(f, jo_vec_mat_mul_lanes(w->HJinv, t));
             t = jo_vec_cross(w->l, f);
@@ -42,14 +47,19 @@ static void backward_pass(const jo_model *m, jo_data *d)
             f = jo_vec_axpy(f, Dinv_u, w->Uf);
             t = jo_vec_axpy(t, Dinv_u, w->Ut_parent);
         }
+        if (k->parent == i - 1) continue;
         p->f = jo_vec_add(p->f, f);
         p->t = jo_vec_add(p->t, t);
+        f = t = jo_vec_zero();
     }
 }
 
-/* forward pass 2: qdd = D^-1 (u - U^T a'), a = a' + S qdd with a' = a_lambda + alpha_lambda x l */
+/* forward pass 2: qdd = D^-1 (u - U^T a'), a = a' + S qdd with a' = a_lambda + alpha_lambda x l; the accelerations of a parent i - 1 are
+ * still in registers */
 void jo_tree_force_response(const jo_model *m, jo_data *d, jo_real *rate)
 {
+    jo_vec alpha = jo_vec_zero(), a = alpha;
+    int last = -1;   /* link whose accelerations are in alpha, a */
     backward_pass(m, d);
     d->tree.response[0].a = d->tree.response[0].alpha = jo_vec_zero();
     for (int i = 0; i < m->nlink; i++) {
@@ -58,26 +68,30 @@ void jo_tree_force_response(const jo_model *m, jo_data *d, jo_real *rate)
         const jo_link_response *p = &d->tree.response[k->parent + 1];
         jo_link_response *c = &d->tree.response[i + 1];
         jo_real *y = rate + k->u;
-        c->alpha = p->alpha;
-        c->a = jo_vec_add(p->a, jo_vec_cross(p->alpha, w->l));
+        const jo_vec alpha_parent = k->parent == last ? alpha : p->alpha, a_parent = k->parent == last ? a : p->a;
+        alpha = alpha_parent;
+        a = jo_vec_add(a_parent, jo_vec_cross(alpha_parent, w->l));
         if (jo_link_has_one_dof(d, k)) {
-            y[0] = w->Dinv * (c->u - jo_vec_dot_sum(w->Uf, p->a, w->Ut_parent, p->alpha));
+            y[0] = w->Dinv * (c->u - jo_vec_dot_sum(w->Uf, a_parent, w->Ut_parent, alpha_parent));
             if (d->tree.coupled) y[0] -= w->Dinv * jo_link_coupled(m, d, i, rate);
-            if (k->type == JO_LINK_HINGE) c->alpha = jo_vec_axpy(c->alpha, y[0], w->A[2]);
-            else c->a = jo_vec_axpy(c->a, y[0], w->A[2]);
+            if (k->type == JO_LINK_HINGE) alpha = jo_vec_axpy(alpha, y[0], w->A[2]);
+            else a = jo_vec_axpy(a, y[0], w->A[2]);
         } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
             y[0] = 0.0;
         } else if (k->type == JO_LINK_BALL || k->type == JO_LINK_FREE) {
             if (k->type == JO_LINK_FREE) {   /* a = M^-1 (f - H J^-1 t), M after elimination of the rotations */
                 jo_vec Minv[3];
                 jo_vec_invert(Minv, w->M);
-                c->a = jo_vec_mat_mul_lanes(Minv, jo_vec_sub(c->f, jo_vec_mat_mul_lanes(w->HJinv, c->t)));
-                jo_vec_store(y, c->a);
+                a = jo_vec_mat_mul_lanes(Minv, jo_vec_sub(c->f, jo_vec_mat_mul_lanes(w->HJinv, c->t)));
+                jo_vec_store(y, a);
                 y += 3;
             }
             /* alpha = J^-1 (t - H^T a) */
-            c->alpha = jo_vec_sub(jo_vec_mat_mul_lanes(w->Jinv, c->t), jo_vec_mat_tmul(w->HJinv, c->a));
-            jo_vec_store(y, jo_vec_mat_tmul(w->A, k->type == JO_LINK_FREE ? c->alpha : jo_vec_sub(c->alpha, p->alpha)));
+            alpha = jo_vec_sub(jo_vec_mat_mul_lanes(w->Jinv, c->t), jo_vec_mat_tmul(w->HJinv, a));
+            jo_vec_store(y, jo_vec_mat_tmul(w->A, k->type == JO_LINK_FREE ? alpha : jo_vec_sub(alpha, alpha_parent)));
         }
+        c->alpha = alpha;
+        c->a = a;
+        last = i;
     }
 }

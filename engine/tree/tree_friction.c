@@ -50,10 +50,10 @@ void jo_tree_joint_reaction(const jo_model *m, const jo_data *d, const jo_fricti
     const int i = last_link(m, f);
     const jo_link_work *w = &d->tree.link[i + 1];
     const jo_link_response *c = &d->tree.response[i + 1];
-    const jo_vec a = change ? c->a : w->a, alpha = change ? c->alpha : w->alpha;
+    const jo_vec *a = change ? &c->a : &w->a, *alpha = change ? &c->alpha : &w->alpha;
     /* F = M a + H alpha + f, T = H^T a + J alpha + t */
-    jo_vec F = jo_vec_add(jo_vec_mat_mul_lanes(w->M, a), jo_vec_mat_mul_lanes(w->H, alpha));
-    jo_vec T = jo_vec_add(jo_vec_mat_tmul(w->H, a), jo_vec_mat_mul_lanes(w->J, alpha));
+    jo_vec F = jo_vec_add(jo_vec_mat_mul_at(w->M, a), jo_vec_mat_mul_at(w->H, alpha));
+    jo_vec T = jo_vec_add(jo_vec_mat_tmul(w->H, *a), jo_vec_mat_mul_at(w->J, alpha));
     F = change ? jo_vec_sub(F, c->f) : jo_vec_add(F, w->f);
     T = change ? jo_vec_sub(T, c->t) : jo_vec_add(T, w->t);
     if (m->link[i].reversed) {   /* on the other side the reaction is -F, -(T - distance x F) */
