@@ -34,7 +34,7 @@ def varied(model: jo.Model, k: int) -> jo.Model:
     bodies = tuple(
         replace(b, mass=b.mass * f, S0=b.S0 * f, J0=b.J0 * f, K=b.K * f) for b in model.bodies
     )
-    return replace(model, bodies=bodies, gravity=model.gravity * f)
+    return replace(model, bodies=bodies, gravity=model.gravity * f).keeping_tree(model)
 
 
 def one_by_one(models: list[jo.Model], solver: Any) -> tuple[float, np.ndarray]:
@@ -65,10 +65,19 @@ def main() -> None:
     """Measure and print."""
     warnings.simplefilter("ignore", jo.JoustoWarning)
     table = {
-        f"pendulum of {n} modes": mechanism(Case("spherical", 1, n), beam(n)) for n in (4, 10, 30)
+        f"pendulum of {n} modes": jo.compile(mechanism(Case("spherical", 1, n), beam(n)))
+        for n in (4, 10, 30)
     }
     chain = next(c for c in RIGID_CHAINS if c.bodies == 10 and c.joint == "revolute")
-    table["10 rigid links"] = rigid_chain(chain)
+    table["10 rigid links, maximal"] = jo.compile(rigid_chain(chain), core="maximal")
+    links = {
+        "hinge chain of 10": trees.chain("hinge", 10),
+        "hinge chain of 100": trees.chain("hinge", 100),
+    }
+    links |= {"ball chain of 10": trees.chain("ball", 10), "six-axis arm": trees.arm()}
+    links["figure of 30"] = trees.figure()
+    for name, tree in links.items():
+        table[name] = jo.compile(trees.mechanism(tree), core="joint")
     rounds = ROUNDS
     if "short" in sys.argv:
         rounds, table = 1, dict([table.popitem()])
@@ -80,8 +89,7 @@ def main() -> None:
         library.LANES[build] = level
         library.lanes.cache_clear()
         print(f"{build}: {machines()} lanes; us per step of one machine, alone and in lanes")
-        for name, declared in table.items():
-            model = jo.compile(declared)
+        for name, model in table.items():
             models = [varied(model, k) for k in range(machines())]
             for solver in (jo.RK4(step=H), jo.ROS2(step=H)):
                 least = [np.inf, np.inf]

@@ -34,6 +34,7 @@ enum { JO_MACHINES = 1 };
 typedef int jo_mask;
 #define JO_LESS(a, b) (JO_RE(a) < JO_RE(b))
 #define JO_LESS_OR_EQUAL(a, b) (JO_RE(a) <= JO_RE(b))
+#define JO_CONSTANT(x) x                                           /* constant x in all lanes, for initialisers */
 #define JO_COMMON(x) JO_RE(x)                                      /* value of a number that is equal in all lanes */
 #define JO_PART(x, lane) ((void)(lane), JO_RE(x))
 static inline jo_real jo_same(double x) { return x; }              /* x in all lanes */

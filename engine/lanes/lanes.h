@@ -11,6 +11,12 @@ typedef long long jo_mask __attribute__((vector_size(8 * JO_VECTOR)));
 #define JO_ALL (~(jo_mask){0})
 #define JO_LESS(a, b) ((jo_mask)((a) < (b)))
 #define JO_LESS_OR_EQUAL(a, b) ((jo_mask)((a) <= (b)))
+/* constant x in all lanes, for initialisers */
+#if JO_VECTOR == 4
+#define JO_CONSTANT(x) {x, x, x, x}
+#else
+#define JO_CONSTANT(x) {x, x, x, x, x, x, x, x}
+#endif
 #define JO_COMMON(x) ((x)[0])
 #define JO_PART(x, lane) ((x)[lane])
 #define JO_EACH_LANE(l) for (int l = 0; l < JO_MACHINES; l++)

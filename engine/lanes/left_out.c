@@ -1,5 +1,6 @@
 /* left_out.c - empty functions in place of the sources that the build with lanes omits: beams, frictions, events, damage meters, moving
- * loads, functions of the user, implicit and adaptive steps. ensemble.py excludes models that need any of these. */
+ * loads, functions of the user, loops of trees, trees on flexible bodies, implicit and adaptive steps. ensemble.py excludes models that need
+ * any of these. */
 #include "maximal/maximal.h"
 #include "beam/beam.h"
 #include "force/force.h"
@@ -19,10 +20,6 @@ void jo_newton_layout(const jo_model *m, jo_data *d, jo_arena *a)
     (void)m; (void)d; (void)a;
 }
 void jo_friction_layout(const jo_model *m, jo_data *d, jo_arena *a)
-{
-    (void)m; (void)d; (void)a;
-}
-void jo_tree_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
     (void)m; (void)d; (void)a;
 }
@@ -181,33 +178,38 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s)
     return JO_NO_CONVERGENCE;
 }
 
-/* trees in joint coordinates are left out: the build with lanes uses q and v */
+/* loops, frictions and flexible carriers of trees */
+int jo_loop_rows(const jo_model *m, int i)
+{
+    (void)m; (void)i;
+    return 0;
+}
 void jo_loop_setup(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
+}
+int jo_loop_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    (void)m; (void)d; (void)stage;
+    return JO_NO_CONVERGENCE;
+}
+jo_real jo_loop_power(const jo_model *m, const jo_data *d)
+{
+    (void)m; (void)d;
+    return jo_same(0.0);
 }
 int jo_tree_close_loops(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
     return 1;
 }
-void jo_tree_setup(const jo_model *m, jo_data *d)
+void jo_tree_hold_sticking(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
-int jo_tree_from_maximal(const jo_model *m, jo_data *d)
+void jo_tree_lock_sticking(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
-    return JO_OK;
-}
-void jo_tree_to_maximal(const jo_model *m, jo_data *d)
-{
-    (void)m; (void)d;
-}
-int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
-{
-    (void)m; (void)d; (void)stage;
-    return JO_NO_CONVERGENCE;
 }
 void jo_hybrid_update_bodies(const jo_model *m, jo_data *d)
 {
@@ -225,50 +227,6 @@ int jo_hybrid_condense(const jo_model *m, jo_data *d, const jo_stage *stage)
 void jo_hybrid_forward_pass_2(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
-}
-int jo_tree_accelerations(const jo_model *m, jo_data *d)
-{
-    (void)m; (void)d;
-    return JO_NO_CONVERGENCE;
-}
-void jo_tree_prescribe_motion(const jo_model *m, jo_data *d)
-{
-    (void)m; (void)d;
-}
-void jo_tree_read_maximal_state(const jo_model *m, jo_data *d)
-{
-    (void)m; (void)d;
-}
-int jo_tree_matches_maximal_state(const jo_model *m, jo_data *d)
-{
-    (void)m; (void)d;
-    return 0;
-}
-void jo_tree_add_increment(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment)
-{
-    (void)m; (void)x; (void)x0; (void)increment;
-}
-void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *u)
-{
-    (void)m; (void)rate; (void)x; (void)u;
-}
-int jo_tree_check_state(const jo_model *m, jo_data *d)
-{
-    (void)m; (void)d;
-    return JO_OK;
-}
-void jo_tree_count_turns(const jo_model *m, jo_data *d)
-{
-    (void)m; (void)d;
-}
-void jo_sync_maximal_state(const jo_model *m, jo_data *d, jo_sync_level how)
-{
-    (void)m; (void)d; (void)how;
-}
-
-void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage)
-{
-    (void)m; (void)d; (void)stage;
 }
 
 /* kinds of force that no file of this build defines */

@@ -10,8 +10,8 @@
 static void nearest_quaternion(jo_real *e, const jo_real *A, const jo_real *near)
 {
     jo_quaternion(e, A);
-    if (JO_RE(e[0] * near[0] + e[1] * near[1] + e[2] * near[2] + e[3] * near[3]) < 0.0)
-        for (int i = 0; i < 4; i++) e[i] = -e[i];
+    const jo_mask opposite = JO_LESS(e[0] * near[0] + e[1] * near[1] + e[2] * near[2] + e[3] * near[3], jo_same(0.0));
+    for (int i = 0; i < 4; i++) e[i] = jo_choose(opposite, -e[i], e[i]);
 }
 
 /* orientation A C (by rows) and origin p + A c of the body of a link */

@@ -60,7 +60,7 @@ static inline void link_kinematics(const jo_model *m, jo_data *d, int i)
     const jo_link_work *p = &d->tree.link[k->parent + 1];
     jo_link_work *w = &d->tree.link[i + 1];
     const jo_real *x = d->x + k->x, *u = d->u + k->u;
-    const jo_real qdd = k->driven < 0 ? 0.0 : d->ud[k->u];   /* prescribed joint acceleration */
+    const jo_real qdd = k->driven < 0 ? jo_same(0.0) : d->ud[k->u];   /* prescribed joint acceleration */
     w->l = jo_vec_mat_mul(p->A, c->l);
     w->w = p->w;
     w->bias_alpha = p->bias_alpha;
@@ -158,7 +158,9 @@ static inline void add_force(jo_link_work *p, jo_vec f, jo_vec t)
  * Placed in the backward pass because the dependency chain of its recursion leaves arithmetic units idle. */
 static inline void add_body_inertia(const jo_link_constants *c, const jo_link_work *w, articulated_inertia *y)
 {
-    static const jo_real unit[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    static const jo_real unit[3][3] = {{JO_CONSTANT(1.0), JO_CONSTANT(0.0), JO_CONSTANT(0.0)},
+                                       {JO_CONSTANT(0.0), JO_CONSTANT(1.0), JO_CONSTANT(0.0)},
+                                       {JO_CONSTANT(0.0), JO_CONSTANT(0.0), JO_CONSTANT(1.0)}};
     jo_vec T[3], J[3];   /* J = A J_local A^T, S = A S_local */
     const jo_vec S = jo_vec_mat_mul(w->A, c->total_S);
     for (int i = 0; i < 3; i++) T[i] = jo_vec_mat_mul(w->A, c->total_J + 3 * i);
@@ -193,7 +195,7 @@ static inline void shift_to_parent(const jo_link_work *w, articulated_inertia *y
     jo_vec N[3], P[3], Q[3];
     mul_skew(N, y->M, &w->l);
     for (int i = 0; i < 3; i++) {
-        P[i] = jo_vec_cross(w->l, jo_vec_axpy(y->H[i], -0.5, N[i]));
+        P[i] = jo_vec_cross(w->l, jo_vec_axpy(y->H[i], jo_same(-0.5), N[i]));
         y->H[i] = jo_vec_sub(y->H[i], N[i]);
     }
     jo_vec_transpose(Q, P);
@@ -223,8 +225,9 @@ static inline void eliminate_one_dof(const jo_link_work *w, articulated_inertia 
 static inline int eliminate_ball(jo_link_work *w, articulated_inertia *y)
 {
     jo_vec adj[3], Y[3];   /* adj J, H adj J */
-    const double trace = JO_RE(jo_vec_element(y->J[0], 0)) + JO_RE(jo_vec_element(y->J[1], 1)) + JO_RE(jo_vec_element(y->J[2], 2));
+    const jo_real trace = jo_vec_element(y->J[0], 0) + jo_vec_element(y->J[1], 1) + jo_vec_element(y->J[2], 2);
     w->D = jo_vec_adjugate(adj, y->J);
+    const int regular = !jo_spoil(&w->D, JO_LESS(JO_MIN_PIVOT * trace * trace * trace, w->D));
     w->t = y->t;
     const jo_real Dinv = 1.0 / w->D;
     for (int i = 0; i < 3; i++) Y[i] = jo_vec_mat_mul_lanes(y->H, adj[i]);
@@ -234,7 +237,7 @@ static inline int eliminate_ball(jo_link_work *w, articulated_inertia *y)
         w->Jinv[i] = jo_vec_scale(Dinv, adj[i]);
     }
     y->f = jo_vec_axpy(y->f, -Dinv, jo_vec_mat_mul_at(Y, &w->t));
-    return JO_RE(w->D) > JO_MIN_PIVOT * trace * trace * trace;
+    return regular;
 }
 
 /* I^a and p^a of a ball from the origin of the link to that of the parent, where only M and f are not 0 before:
@@ -245,8 +248,8 @@ static inline void shift_force(jo_link_work *w, articulated_inertia *y)
     mul_skew(N, y->M, &w->l);
     for (int i = 0; i < 3; i++) {
         w->lHJinv[i] = jo_vec_cross(w->l, w->HJinv[i]);
-        y->H[i] = jo_vec_scale(-1.0, N[i]);
-        y->J[i] = jo_vec_scale(-1.0, jo_vec_cross(w->l, N[i]));
+        y->H[i] = jo_vec_minus(N[i]);
+        y->J[i] = jo_vec_minus(jo_vec_cross(w->l, N[i]));
     }
     y->t = jo_vec_cross(w->l, y->f);
 }
@@ -270,6 +273,7 @@ static inline int joint_space_inertia(const jo_data *d, const jo_stage *stage, c
     }
     if (stage->set) w->D += stage->gh * (d->tree.damping[k->u] + stage->gh * d->tree.stiffness[k->u]);
     if (g) w->D -= g->Dc;
+    const int regular = !jo_spoil(&w->D, JO_LESS(jo_same(0.0), w->D));
     w->Dinv = 1.0 / w->D;
     /* U about the origin of the parent: t + l x f */
     w->Ut_parent = jo_vec_add(w->Ut, jo_vec_cross(w->l, w->Uf));
@@ -278,7 +282,7 @@ static inline int joint_space_inertia(const jo_data *d, const jo_stage *stage, c
         w->Uf = jo_vec_sub(w->Uf, g->Uf);
         w->Ut_parent = jo_vec_sub(w->Ut_parent, g->Ut);
     }
-    return JO_RE(w->D) > 0.0;
+    return regular;
 }
 
 /* The motor of a gear spring is eliminated: c^2 / D, c u / D, c U / D to the joint of the spring. If the motor stands on the link of that
@@ -362,7 +366,8 @@ static int backward_pass(const jo_model *m, jo_data *d, const jo_stage *stage)
         /* U, D, u; I^a, p^a */
         if (!eliminate_joint(m, d, stage, k, d->tree.coupled ? &d->tree.coupling[i] : 0, store_all, w, &y)) {
             d->error_index = k->body >= 0 ? k->body : m->link[i + 1].body;
-            return JO_RE(w->D) == JO_RE(w->D) ? JO_SINGULAR_BODY : JO_NOT_FINITE;
+            const double D = jo_most(w->D);
+            return D == D ? JO_SINGULAR_BODY : JO_NOT_FINITE;
         }
         /* hand I^a, p^a over to a parent i - 1 in registers, to any other parent through its accumulator */
         if (k->parent >= 0 && k->parent == i - 1) continue;
@@ -394,18 +399,18 @@ void jo_tree_forward_pass_2(const jo_model *m, jo_data *d)
         alpha = alpha_parent;
         a = jo_vec_add(a_parent, jo_vec_cross(alpha_parent, w->l));
         if (k->type == JO_LINK_BALL) {   /* alpha = -J^-1 (t + H^T a), a = a_parent - l~ alpha_parent */
-            alpha = jo_vec_scale(-1.0, jo_vec_add(jo_vec_mat_mul_lanes(w->Jinv, w->t),
-                                                  jo_vec_mat_tmul_sum(w->HJinv, a_parent, w->lHJinv, alpha_parent)));
+            alpha = jo_vec_minus(jo_vec_add(jo_vec_mat_mul_lanes(w->Jinv, w->t),
+                                            jo_vec_mat_tmul_sum(w->HJinv, a_parent, w->lHJinv, alpha_parent)));
             jo_vec_store(ud, jo_vec_mat_tmul(w->A, jo_vec_sub(alpha, alpha_parent)));
         } else if (k->type == JO_LINK_FREE) {   /* a = -M^-1 f with M, f after elimination of the rotations; alpha = -J^-1 (t + H^T a) */
             jo_vec Minv[3];
             jo_vec_invert(Minv, w->M);
-            a = jo_vec_scale(-1.0, jo_vec_mat_mul_lanes(Minv, w->f));
-            alpha = jo_vec_scale(-1.0, jo_vec_add(jo_vec_mat_mul_lanes(w->Jinv, w->t), jo_vec_mat_tmul(w->HJinv, a)));
+            a = jo_vec_minus(jo_vec_mat_mul_lanes(Minv, w->f));
+            alpha = jo_vec_minus(jo_vec_add(jo_vec_mat_mul_lanes(w->Jinv, w->t), jo_vec_mat_tmul(w->HJinv, a)));
             jo_vec_store(ud, a);
             jo_vec_store(ud + 3, jo_vec_mat_tmul(w->A, alpha));
         } else if (k->driven < 0 && k->type != JO_LINK_FIXED) {
-            ud[0] = jo_link_is_locked(d, k) ? 0.0 : w->Dinv * (w->u - jo_vec_dot_sum(w->Uf, a_parent, w->Ut_parent, alpha_parent));
+            ud[0] = jo_link_is_locked(d, k) ? jo_same(0.0) : w->Dinv * (w->u - jo_vec_dot_sum(w->Uf, a_parent, w->Ut_parent, alpha_parent));
             if (d->tree.coupled && !jo_link_is_locked(d, k)) ud[0] -= w->Dinv * jo_link_coupled(m, d, i, d->ud);
             if (k->type == JO_LINK_HINGE) alpha = jo_vec_axpy(alpha, ud[0], w->A[2]);
             else a = jo_vec_axpy(a, ud[0], w->A[2]);
@@ -419,7 +424,7 @@ void jo_tree_forward_pass_2(const jo_model *m, jo_data *d)
 /* tau_i = S_i^T (I_i^A a_i + p_i^A) of the driven joints; returns the power of the drives, W */
 jo_real jo_tree_drive_forces(const jo_model *m, jo_data *d)
 {
-    jo_real power = m->nloop ? jo_loop_power(m, d) : 0.0;
+    jo_real power = m->nloop ? jo_loop_power(m, d) : jo_same(0.0);
     for (int i = 0; d->tree.ndriven && i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_work *w = &d->tree.link[i + 1];
@@ -434,7 +439,7 @@ jo_real jo_tree_drive_forces(const jo_model *m, jo_data *d)
 int jo_tree_articulated_inertias(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     jo_joint_forces_outdated(d);
-    d->tree.link->bias_a = jo_vec_scale(-1.0, jo_vec_load(m->gravity));   /* a_0 = -g; jo_tree_setup sets the other values of the ground */
+    d->tree.link->bias_a = jo_vec_minus(jo_vec_load(m->gravity));   /* a_0 = -g; jo_tree_setup sets the other values of the ground */
     jo_tree_prescribe_motion(m, d);
     forward_pass_1(m, d);
     const int status = jo_tree_apply_forces(m, d, stage);

@@ -39,9 +39,12 @@ void jo_sync_maximal_state(const jo_model *m, jo_data *d, jo_sync_level level);
 /* tree_integrate_position.c */
 void jo_tree_add_increment(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment);
 void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *u);
-void jo_rotation_vector_between(jo_real *theta, const jo_real *e0, const jo_real *e);   /* theta (3), |theta| < pi, in the frame of e0 */
 void jo_tree_prescribe_motion(const jo_model *m, jo_data *d);   /* coordinate, rate and acceleration of drives at the present time */
 int jo_tree_check_state(const jo_model *m, jo_data *d);
+
+/* tree_increments.c */
+void jo_rotation_vector_between(jo_real *theta, const jo_real *e0, const jo_real *e);   /* theta (3), |theta| < pi, in the frame of e0 */
+void jo_tree_increment_between(const jo_model *m, jo_real *dq, const jo_real *x0, const jo_real *x);
 double jo_tree_largest_rotation(const jo_model *m, jo_data *d);   /* estimate of the largest rotation of a body by the increments dq, rad */
 
 /* tree_forces.c */
@@ -75,7 +78,6 @@ void jo_hybrid_forward_pass_2(const jo_model *m, jo_data *d);   /* accelerations
 
 /* tree_loop_projection.c */
 int jo_tree_close_loops(const jo_model *m, jo_data *d);   /* returns whether the loops are closed afterwards */
-void jo_tree_increment_between(const jo_model *m, jo_real *dq, const jo_real *x0, const jo_real *x);
 
 /* tree_conversion.c */
 int jo_tree_from_maximal(const jo_model *m, jo_data *d);   /* convert q, v to joint coordinates */

@@ -23,11 +23,21 @@ static int close_gaps(const jo_model *m, jo_data *d)
 {
     jo_real open[2];
     jo_residuals(m, d, open);
-    if (JO_RE(open[0]) <= JO_OPEN_POSITION * m->size && JO_RE(open[1]) <= JO_OPEN_RATE * JO_RE(jo_speed(m, d))) return JO_OK;
+    const jo_mask closed = JO_LESS_OR_EQUAL(open[0], jo_same(JO_OPEN_POSITION * m->size));
+    if (jo_every(closed & JO_LESS_OR_EQUAL(open[1], JO_OPEN_RATE * jo_magnitude(jo_speed(m, d))))) return JO_OK;
     jo_kinematics_used(d);
     const int status = jo_evaluate(m, d, &jo_now);
     if (status == JO_OK) jo_project(m, d, &jo_now);
     return status;
+}
+
+/* u = NaN in lanes whose q or v is not finite, even if x and u do not depend on that number; a single machine fails in its projection */
+static void spoil_unsound(const jo_model *m, jo_data *d)
+{
+    jo_real sum = jo_same(0.0);
+    for (int i = 0; i < m->nq; i++) sum += jo_magnitude(d->q[i]);
+    for (int i = 0; i < m->nv; i++) sum += jo_magnitude(d->v[i]);
+    if (m->nu) (void)jo_spoil(d->u, JO_LESS(sum, jo_same(INFINITY)));
 }
 
 /* x, u from q, v; x and u of the last run are used if q and v still equal them bit for bit */
@@ -38,6 +48,7 @@ int jo_tree_from_maximal(const jo_model *m, jo_data *d)
         const int status = close_gaps(m, d);
         if (status != JO_OK) return status;
         jo_tree_read_maximal_state(m, d);
+        if (JO_MACHINES > 1) spoil_unsound(m, d);
         jo_tree_hold_sticking(m, d);
         jo_state_read(d);
     }

@@ -45,7 +45,7 @@ void jo_tree_update_bodies(const jo_model *m, jo_data *d)
         jo_vec_store(om, w->w);
         jo_mul3t(b->V, b->A, v);
         jo_mul3t(b->w, b->A, om);
-        for (int j = 0; j < 6; j++) b->fr[j] = 0.0;
+        for (int j = 0; j < 6; j++) b->fr[j] = jo_same(0.0);
         /* r = p + A c in q, which jo_tree_update_markers reads */
         jo_vec_store(d->q + m->body[k->body].iq, jo_vec_add(w->p, arm));
     }
@@ -168,7 +168,7 @@ static void gather_gear_spring(const jo_model *m, jo_data *d, const jo_force *f,
     const jo_link *q = &m->link[to], *k = &m->link[motor];
     const jo_real share = 1.0 / ((const jo_gear_spring_data *)f->data)->ratio;
     const int q_moves = !jo_link_is_prescribed(d, q), k_moves = !jo_link_is_prescribed(d, k);
-    const jo_real K = JO_RE(w->stiffness) > 0.0 ? w->stiffness : 0.0, D = w->damping;
+    const jo_real none = jo_same(0.0), K = jo_choose(JO_LESS(none, w->stiffness), w->stiffness, none), D = w->damping;
     if (q_moves && k_moves) {
         if (!can_couple(m, d, motor, to)) return;
         const jo_real cross = -jo_link_sign(q) * jo_link_sign(k) * share;
@@ -185,7 +185,8 @@ static void gather_gear_spring(const jo_model *m, jo_data *d, const jo_force *f,
 static void gather_stiffness(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
-    for (int i = 0; i < m->nu; i++) t->stiffness[i] = t->damping[i] = 0.0;
+    const jo_real none = jo_same(0.0);
+    for (int i = 0; i < m->nu; i++) t->stiffness[i] = t->damping[i] = jo_same(0.0);
     for (int i = 0; i < m->nlink; i++) t->coupling[i].to = -1;
     t->coupled = 0;
     for (int i = 0; i < m->nforce; i++) {
@@ -197,9 +198,9 @@ static void gather_stiffness(const jo_model *m, jo_data *d)
         const jo_link *k = &m->link[m->coordinate[c].link];
         const int u = k->u;
         if (jo_link_is_prescribed(d, k)) continue;
-        if (JO_RE(x->limit) > 0.0 && fabs(JO_RE(d->force[i].y[0])) >= JO_RE(x->limit)) continue;
-        if (JO_RE(x->stiffness) > 0.0) t->stiffness[u] += x->stiffness;
-        if (JO_RE(x->damping) > 0.0) t->damping[u] += x->damping;
+        const jo_mask limited = JO_LESS(none, x->limit) & JO_LESS_OR_EQUAL(x->limit, jo_magnitude(d->force[i].y[0]));
+        t->stiffness[u] += jo_choose(~limited & JO_LESS(none, x->stiffness), x->stiffness, none);
+        t->damping[u] += jo_choose(~limited & JO_LESS(none, x->damping), x->damping, none);
     }
 }
 
@@ -245,8 +246,8 @@ static void set_body_forces(const jo_model *m, jo_data *d)
         jo_mul3(F, b->A, b->fr);
         jo_mul3(T, b->A, b->fr + 3);
         const jo_vec f = jo_vec_load(F), t = jo_vec_add(jo_vec_load(T), jo_vec_cross(jo_vec_mat_mul(w->A, d->tree.constants[i].c), f));
-        w->joint_f = jo_vec_scale(-1.0, f);
-        w->joint_t = jo_vec_scale(-1.0, t);
+        w->joint_f = jo_vec_minus(f);
+        w->joint_t = jo_vec_minus(t);
     }
 }
 
@@ -259,7 +260,7 @@ int jo_tree_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
     JO_EACH(i, m->nu) JO_STORE(d->tree.tau + i) = none;
     if (!m->nforce && !has_body_forces) {
         if (stage->set)
-            for (int i = 0; i < m->nu; i++) d->tree.stiffness[i] = d->tree.damping[i] = 0.0;
+            for (int i = 0; i < m->nu; i++) d->tree.stiffness[i] = d->tree.damping[i] = jo_same(0.0);
         return JO_OK;
     }
     if (has_body_forces) {

@@ -100,7 +100,8 @@ static inline void jo_vec_transpose(jo_vec *y, const jo_vec *a)
 #endif
 
 static inline jo_vec jo_vec_cross(jo_vec a, jo_vec b) { return jo_vec_shuffle_yzx(jo_vec_cross_unshuffled(a, b)); }
-static inline jo_vec jo_vec_zero(void) { return jo_vec_make(0.0, 0.0, 0.0); }
+static inline jo_vec jo_vec_zero(void) { return jo_vec_make(jo_same(0.0), jo_same(0.0), jo_same(0.0)); }
+static inline jo_vec jo_vec_minus(jo_vec a) { return jo_vec_scale(jo_same(-1.0), a); }
 static inline jo_vec jo_vec_load(const jo_real *x) { return jo_vec_make(x[0], x[1], x[2]); }
 static inline void jo_vec_store(jo_real *y, jo_vec a)
 {

@@ -108,15 +108,3 @@ int jo_tree_close_loops(const jo_model *m, jo_data *d)
     jo_state_changed(d);
     return residual <= small && rate <= small_rate;
 }
-
-/* increment dq (nu) with x = x0 o dq: differences, and rotation vectors of balls and free links */
-void jo_tree_increment_between(const jo_model *m, jo_real *dq, const jo_real *x0, const jo_real *x)
-{
-    for (int i = 0; i < m->nlink; i++) {
-        const jo_link *k = &m->link[i];
-        const int ball = k->type == JO_LINK_BALL || k->type == JO_LINK_FREE, moves = k->type == JO_LINK_FREE ? 3 : 0;
-        if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) dq[k->u] = x[k->x] - x0[k->x];
-        for (int j = 0; j < moves; j++) dq[k->u + j] = x[k->x + j] - x0[k->x + j];
-        if (ball) jo_rotation_vector_between(dq + k->u + moves, x0 + k->x + moves, x + k->x + moves);
-    }
-}

@@ -6,8 +6,12 @@
 
 /* ---- constants --------------------------------------------------------------------------------- */
 
-static const jo_real IDENTITY[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
-static const jo_real ORIGIN[3] = {0.0, 0.0, 0.0};
+#define JO_ZERO JO_CONSTANT(0.0)
+#define JO_ONE JO_CONSTANT(1.0)
+static const jo_real IDENTITY[9] = {JO_ONE, JO_ZERO, JO_ZERO, JO_ZERO, JO_ONE, JO_ZERO, JO_ZERO, JO_ZERO, JO_ONE};
+/* universal joint: columns y, z, x */
+static const jo_real CROSSED[9] = {JO_ZERO, JO_ONE, JO_ZERO, JO_ZERO, JO_ZERO, JO_ONE, JO_ONE, JO_ZERO, JO_ZERO};
+static const jo_real ORIGIN[3] = {JO_ZERO, JO_ZERO, JO_ZERO};
 
 static const jo_real *axes_of(const jo_model *m, int marker) { return marker < 0 ? IDENTITY : m->marker[marker].A0; }
 static const jo_real *origin_of(const jo_model *m, int marker) { return marker < 0 ? ORIGIN : m->marker[marker].u0; }
@@ -49,10 +53,9 @@ static int find_carrier_link(const jo_model *m, int link)
 /* K = A_inner^T A_outer and l = A_inner^T (u_outer - u_inner) of a link, in the frame of the parent */
 static void place_on_parent(const jo_model *m, const jo_link *k, jo_link_constants *c)
 {
-    static const jo_real crossed[9] = {0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0};   /* columns y, z, x: universal joint */
     jo_real arm[3];
     if (k->outer < 0) {
-        for (int j = 0; j < 9; j++) c->K[j] = k->crossed ? crossed[j] : IDENTITY[j];
+        for (int j = 0; j < 9; j++) c->K[j] = k->crossed ? CROSSED[j] : IDENTITY[j];
         jo_set3(c->l, ORIGIN);
         return;
     }
@@ -68,15 +71,15 @@ static void place_on_parent(const jo_model *m, const jo_link *k, jo_link_constan
  * S_p += K S + m l, J_p += K J K^T - (K S)~ l~ - l~ (K S)~ - m l~ l~ */
 static void add_fixed_body(const jo_link_constants *c, jo_link_constants *p)
 {
-    jo_real S[3], J[9] = {0.0}, T[9], R[9];   /* of the fixed body about its origin, in the axes of the parent; matrices by rows */
+    jo_real S[3], J[9], T[9], R[9];   /* of the fixed body about its origin, in the axes of the parent; matrices by rows */
     for (int i = 0; i < 3; i++) {
         S[i] = c->K[i] * c->S[0] + c->K[3 + i] * c->S[1] + c->K[6 + i] * c->S[2];
         for (int j = 0; j < 3; j++) R[3 * i + j] = c->K[3 * j + i];
     }
     jo_mul33(T, R, c->J);
     jo_mul33(J, T, c->K);   /* c->K is stored by columns: R^T by rows */
-    jo_add_skew_skew(J, -1.0, S, c->l);
-    jo_add_skew_skew(J, -1.0, c->l, S);
+    jo_add_skew_skew(J, jo_same(-1.0), S, c->l);
+    jo_add_skew_skew(J, jo_same(-1.0), c->l, S);
     jo_add_skew_skew(J, -c->mass, c->l, c->l);
     p->total_mass += c->mass;
     jo_add3(p->total_S, S);
@@ -94,8 +97,8 @@ static void body_inertia_in_link_frame(const jo_body *b, const jo_real *u, const
     jo_set3(arm, S);
     jo_axpy3(arm, -c->mass, u);
     jo_mul3t(c->S, A, arm);
-    jo_add_skew_skew(full, 1.0, S, u);
-    jo_add_skew_skew(full, 1.0, u, S);
+    jo_add_skew_skew(full, jo_same(1.0), S, u);
+    jo_add_skew_skew(full, jo_same(1.0), u, S);
     jo_add_skew_skew(full, -c->mass, u, u);
     jo_mul33(T, full, A);
     mat_tmul33(c->J, A, T);
@@ -172,8 +175,8 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
     set_ground(t->link);
     for (int i = 0; i < m->nlink; i++) {
         const int type = m->link[i].type;
-        if (type == JO_LINK_BALL) d->x[m->link[i].x] = 1.0;
-        if (type == JO_LINK_FREE || type == JO_LINK_BODY) d->x[m->link[i].x + 3] = 1.0;
+        if (type == JO_LINK_BALL) d->x[m->link[i].x] = jo_same(1.0);
+        if (type == JO_LINK_FREE || type == JO_LINK_BODY) d->x[m->link[i].x + 3] = jo_same(1.0);
     }
     set_link_constants(m, d);
     /* hinges, driven links, links with other children than i + 1 */

@@ -14,11 +14,12 @@ import jousto as jo
 from jousto.model.model import ForceModel, SignalModel
 from jousto.model.native import ensemble, library
 from jousto.model.native.ensemble import Ensemble, structure
-from jousto.model.native.native import Engine
+from jousto.model.native.native import Engine, displaced
+from jousto.model.tree import with_core
 from jousto.simulation.running.batched_runs import run_in_lanes as side_by_side
 from jousto.simulation.running.repeated_runs import Repeated
 from jousto.simulation.solvers.runge_kutta import RungeKutta
-from model import test_forces, test_joints, test_sensors
+from model import test_forces, test_joints, test_sensors, test_tree
 
 STEP, STEPS, EVERY = 1e-3, 60, 10
 EVALUATIONS, DIAGNOSTICS = (
@@ -83,6 +84,11 @@ def varied(model, k):
     return replace(model, bodies=bodies, forces=forces, signals=signals, gravity=model.gravity * g)
 
 
+def varied_tree(model, k):
+    """The same, in joint coordinates."""
+    return varied(model, k).keeping_tree(model)
+
+
 def started(models, start):
     """Engines of the models, each where `start` puts it."""
     engines = [Engine(model) for model in models]
@@ -145,8 +151,8 @@ def assert_equal_rows(model, found, wanted):
     assert (error <= 1e-9 * rest + slack).all()
 
 
-def assert_lanes(model, solver, start=disturb):
-    models = [varied(model, k) for k in range(ensemble.machines())]
+def assert_lanes(model, solver, start=disturb, vary=varied):
+    models = [vary(model, k) for k in range(ensemble.machines())]
     found = together(models, start, solver)
     wanted = [alone(engine, solver) for engine in started(models, start)]
     assert np.isfinite(wanted).all()
@@ -321,6 +327,135 @@ def test_a_singular_joint_in_one_lane_spoils_no_other():
     assert [k for k, one in enumerate(solutions) if one is None] == [1]
 
 
+# -- trees in joint coordinates -------------------------------------------------------------------
+
+
+def swung(engine, k):
+    """Somewhere in each lane, all joints turned and moving; hinges of one lane by many turns."""
+    rng, model = np.random.default_rng(5 + k), engine.model
+    engine.q[:] = displaced(model, engine.q, 0.4 * rng.normal(size=model.nv))
+    engine.v[:] = rng.normal(size=model.nv)
+    engine.time[:] = 0.0
+    engine.assemble()
+
+
+def rigid_tree(seed, drives=False):
+    """A random tree without its servo, whose force has a memory."""
+    items = test_tree.tree(seed, drives=drives).items
+    return jo.Mechanism(*(one for one in items if not isinstance(one, jo.Servo)))
+
+
+def assert_tree_lanes(model, solver, start=swung):
+    assert model.links and structure(model)
+    assert_lanes(model, solver, start, varied_tree)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("seed", [1, 2, 3, 6])
+def test_every_joint_of_a_tree(seed, solver):
+    """Hinges, slides, balls, universal, cylindrical and fixed joints, reversed ones, free roots."""
+    assert_tree_lanes(jo.compile(rigid_tree(seed), core="joint"), SOLVERS[solver])
+
+
+@pytest.mark.parametrize("solver", ["rk4", "ros2"])
+def test_driven_joints_of_a_tree(solver):
+    assert_tree_lanes(jo.compile(rigid_tree(4, drives=True), core="joint"), SOLVERS[solver])
+
+
+@pytest.mark.parametrize("solver", ["rk4", "ros2"])
+@pytest.mark.parametrize("limit", [0.0, 0.2, 1e3])
+def test_springs_of_a_tree_with_limits_that_some_lanes_reach(limit, solver):
+    model = jo.compile(rigid_tree(2), core="joint")
+    forces = tuple(
+        replace(f, data=np.array([*f.data[:4], limit])) if f.kind == "along" else f
+        for f in model.forces
+    )
+    assert any(f.kind == "along" for f in forces)
+    assert_tree_lanes(replace(model, forces=forces).keeping_tree(model), SOLVERS[solver])
+
+
+@pytest.mark.parametrize("solver", ["rk4", "ros2"])
+def test_elastic_joints_of_a_tree(solver):
+    arm = jo.RigidBody("arm", 2.0, (0.1, 0.2, 0.2), center=(0.3, 0, 0))
+    hand = jo.RigidBody("hand", 1.0, (0.1, 0.1, 0.1), position=(0.6, 0, 0))
+    hinge = jo.Revolute("hinge", jo.ground["origin"], arm["origin"], (0, 1, 0))
+    wrist = jo.Revolute("wrist", arm.at((0.6, 0, 0)), hand["origin"], (0, 1, 0))
+    gears = [
+        jo.mechanism.ElasticJoint(f"gear{i}", joint.angle, 50.0, 1e-4, 300.0, damping=0.1)
+        for i, joint in enumerate((hinge, wrist))
+    ]
+    bodies = (arm, hand, hinge, wrist, *gears)
+    model = jo.compile(jo.Mechanism(*bodies, jo.Gravity((0, 0, -9.81))), core="joint")
+    assert_tree_lanes(model, SOLVERS[solver], lambda engine, k: engine.assemble())
+
+
+def test_angles_of_a_tree_are_counted_in_every_lane():
+    wheel = jo.RigidBody("wheel", 1.0, (0.1, 0.1, 0.2))
+    hinge = jo.Revolute("hinge", jo.ground["origin"], wheel["origin"])
+    angle = jo.CoordinateSensor("angle", hinge.angle)
+    model = jo.compile(jo.Mechanism(wheel, hinge, angle), core="joint")
+
+    def start(engine, k):
+        engine.v[5] = 60.0 * (k + 1)
+
+    assert_tree_lanes(model, SOLVERS["rk4"], start)
+    rows = together([model] * ensemble.machines(), start, SOLVERS["rk4"])
+    assert rows[-1, -1, 1 + model.nq + model.nv + model.nrow + DIAGNOSTICS] > 4.0 * np.pi
+
+
+@pytest.mark.parametrize("bad", [np.nan, 1e18, 1e200])
+def test_a_tree_that_fails_spoils_no_other(bad):
+    model = jo.compile(rigid_tree(2), core="joint")
+
+    def start(engine, k):
+        swung(engine, k)
+        if k == 1:
+            engine.v[8] = bad
+
+    models = [varied_tree(model, k) for k in range(ensemble.machines())]
+    found = together(models, start, SOLVERS["rk4"])
+    assert not np.isfinite(found[1, -1, : 1 + model.nq + model.nv]).all()
+    for k, engine in enumerate(started(models, start)):
+        if k != 1:
+            assert_equal_rows(model, found[k], alone(engine, SOLVERS["rk4"]))
+
+
+@pytest.mark.parametrize("joint", [jo.Revolute, jo.Spherical])
+def test_a_tree_without_inertia_spoils_no_other(joint):
+    """D of the last link is 0 in one lane."""
+    place = (-0.5, 0.0, 0.0)
+    arm, end = (jo.RigidBody(x, 1.0, (0.1, 0.2, 0.3), position=place) for x in ("arm", "end"))
+    items = (
+        jo.Revolute("hinge", jo.ground["origin"], arm.at((0.5, 0, 0)), (0, 1, 0)),
+        joint("last", arm["origin"], end["origin"]),
+    )
+    model = jo.compile(jo.Mechanism(arm, end, *items, jo.Gravity((0, 0, -9.81))), core="joint")
+    hollow = replace(model.bodies[1], J0=0.0 * model.bodies[1].J0)
+    light = replace(model, bodies=(model.bodies[0], hollow)).keeping_tree(model)
+    models = [light if k == 1 else varied_tree(model, k) for k in range(ensemble.machines())]
+    found = together(models, disturb_but(1), SOLVERS["rk4"])
+    assert not np.isfinite(found[1, -1]).all()
+    for k, engine in enumerate(started(models, disturb_but(1))):
+        if k != 1:
+            assert_equal_rows(model, found[k], alone(engine, SOLVERS["rk4"]))
+
+
+def on_a_boom():
+    """A chain of rigid links on a flexible boom."""
+    part = jo.Part.beam(1.0, test_sensors.SECTION, 4, test_sensors.SOFT)
+    boom = jo.FlexibleBody("boom", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=2)))
+    items = [boom, jo.Revolute("pivot", jo.ground["origin"], boom["start"], (0, 1, 0))]
+    before = boom["end"]
+    for i in range(3):
+        link = jo.RigidBody(f"link{i}", 0.1, (1e-3, 1e-3, 1e-3), position=(1.0 + 0.1 * i, 0, 0))
+        items += [link, jo.Revolute(f"hinge{i}", before, link["origin"], (0, 1, 0))]
+        before = link.at((0.1, 0, 0))
+    return jo.Mechanism(*items, jo.Gravity((0, 0, -9.81)))
+
+
+# -- stress ---------------------------------------------------------------------------------------
+
+
 def test_stress_gauges_and_bridges():
     part = jo.Part.beam(1.0, test_sensors.SECTION, 4, test_sensors.SOFT)
     reduced = jo.reduce(part, jo.CraigBampton(("start", "end"), modes=2))
@@ -401,8 +536,12 @@ def test_what_decides_by_its_state_steps_alone():
     friction = jo.Friction("rub", slide, 0.3)
     assert structure(jo.compile(jo.Mechanism(box, slide, friction))) == ""
     plain = jo.Mechanism(box, slide, jo.Gravity((1, 0, 0)))
-    assert structure(jo.compile(plain, core="maximal"))
-    assert structure(jo.compile(plain, core="joint")) == ""
+    cores = [structure(jo.compile(plain, core=core)) for core in ("maximal", "joint")]
+    assert cores[0] != cores[1] != "" != cores[0]
+    loop = with_core(slider_crank(), "joint")
+    assert loop.links and structure(loop) == ""
+    carried = jo.compile(on_a_boom(), core="joint")
+    assert carried.mixed and structure(carried) == ""
     for releases in ((), (slide,)):
         limit = jo.mechanism.Event("limit", slide.displacement, 1e-4, "rising", releases=releases)
         stopped = jo.Mechanism(*plain.items, limit)

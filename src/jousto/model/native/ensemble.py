@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
+from jousto.model.loop_joints import loops_of
 from jousto.model.model import Model, structure_of
 from jousto.model.native import library
 from jousto.model.native.header import kind
@@ -34,8 +35,8 @@ def structure(model: Model) -> str:
 
     Machines of equal structure differ only in numbers: they have the same bodies and modes, joints,
     forces, signals and sensors, in the same order. A machine with friction, beams, events, damage
-    meters, moving loads or user functions is advanced alone, and so is a tree in joint coordinates,
-    which is as fast alone.
+    meters, moving loads or user functions is advanced alone, and so is a tree in joint coordinates
+    that closes loops or stands on flexible bodies.
     """
     if model not in _LAID:
         laid = _Laid(model) if _is_plain(model) else None
@@ -49,9 +50,11 @@ def structure(model: Model) -> str:
 
 
 def _is_plain(model: Model) -> bool:
-    alone = (model.frictions, model.beams, model.events, model.meters, model.links)
+    alone = (model.frictions, model.beams, model.events, model.meters, loops_of(model).loops)
     locked = any(joint.lock >= 0 for joint in model.joints)
-    return not (any(alone) or locked) and all(force.law.side_by_side for force in model.forces)
+    return not (any(alone) or locked or model.mixed) and all(
+        force.law.side_by_side for force in model.forces
+    )
 
 
 class _Laid:
