@@ -27,18 +27,16 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, ParamSpec, Protocol, TypeVar, dataclass_transform
 
 from jousto.base.arguments import explained
-from jousto.base.errors import CallError, Problem, Problems, suggest
+from jousto.base.constructor import construct
+from jousto.base.errors import Problems
 from jousto.base.fields import MISSING, Facts, Field, Name, field, kept
 from jousto.base.names import check_name
 from jousto.base.object_repr import describe
-from jousto.base.renames import ARGUMENTS
 from jousto.base.units import KINDS, check_unit
 
 P = ParamSpec("P")
 Out = TypeVar("Out", covariant=True)
 Form = TypeVar("Form")
-
-POSITIONAL = inspect.Parameter.POSITIONAL_OR_KEYWORD
 
 SECTIONS: dict[str, dict[str, type[Declared]]] = {}
 """Classes by their word ``type`` in each section of a model file."""
@@ -85,47 +83,39 @@ class Declared:
         here = sys._getframe(1)
         while here.f_back and here.f_globals.get("__name__") == "abc":
             here = here.f_back
-        types = inspect.get_annotations(
-            cls, globals=here.f_globals, locals=here.f_locals, eval_str=bool(declared)
-        )
+        # dataclasses look up annotations in the module, which does not exist for code run by exec
+        typed = cls.__module__ in sys.modules
+        written = vars(cls).get("__annotations__", {})
         problems = Problems()
         own: dict[str, Field[Any, Any]] = {}
         for key, facts in declared.items():
-            by_name = facts.kw_only or kw_only
-            made: Field[Any, Any] = types[key](
-                facts.text, default=facts.default, kw_only=by_name, **facts.facts
+            made: Field[Any, Any] = _type(written[key], here)(
+                facts.text, default=facts.default, kw_only=facts.kw_only or kw_only, **facts.facts
             )
             made.name = key
             made.key = made.key or key
             made.label = made.label or key
+            made.compare = facts.compare
             if made.file and isinstance(made.unit, str) and made.unit not in KINDS:
                 check_unit(problems, f"{cls.__name__}.{key}", made.unit)
             own[key] = made
-            keep = {} if made.required else {"default": facts.default}
-            setattr(cls, key, dataclasses.field(kw_only=by_name, compare=facts.compare, **keep))
+            delattr(cls, key)  # defaults belong to the constructor only
         problems.raise_if_any()
+        for key in [key for key, value in vars(cls).items() if value is MISSING]:
+            delattr(cls, key)
         inherited = [vars(base).get("fields", {}) for base in reversed(cls.__mro__[1:])]
         cls.fields = {key: kind for some in (*inherited, own) for key, kind in some.items()}
         cls.spread = tuple(key for key, kind in cls.fields.items() if kind.spread)
-        # dataclasses look up annotations in the module, which does not exist for code run by exec
-        words = cls.__module__ in sys.modules
-        cls.__annotations__ = {key: made.annotation if words else Any for key, made in own.items()}
-        own_repr = "__repr__" in vars(cls)
-        shown = cls.by_value and not own_repr
-        dataclasses.dataclass(frozen=True, eq=cls.by_value, repr=shown)(cls)
-        _answer(cls)
-        for key in own:  # defaults belong to the constructor only
-            if key in vars(cls):
-                delattr(cls, key)
-        for key in [key for key, value in vars(cls).items() if value is MISSING]:
-            delattr(cls, key)
+        cls.__annotations__ = {key: made.annotation if typed else Any for key, made in own.items()}
+        construct(cls)
         if section:
             cls.register = section
             SECTIONS.setdefault(section, {})
         cls.tag = tag
         if tag:
             SECTIONS[cls.register][tag] = cls
-        document(cls)
+        text = vars(cls).get("__doc__") or ""
+        cls.__doc__ = _Docstring(text)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         problems = Problems()
@@ -170,73 +160,39 @@ class Declared:
     def __repr__(self) -> str:
         return describe(self)
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
 
-def _answer(cls: Any) -> None:
-    """Make the constructor of a class report missing and unknown arguments as a CallError."""
-    made = cls.__init__
-
-    @functools.wraps(made)
-    def call(self: Any, *given: Any, **named: Any) -> None:
-        try:
-            made(self, *given, **named)
-        except TypeError as error:
-            # the TypeError was raised inside the constructor, not by this call
-            if error.__traceback__ is None or error.__traceback__.tb_next:
-                raise
-            raise _refused(cls, given, named) from None
-
-    cls.__init__ = call
+    def __delattr__(self, name: str) -> None:
+        raise dataclasses.FrozenInstanceError(f"cannot delete field {name!r}")
 
 
-def _refused(cls: Any, given: Any, named: Mapping[str, Any]) -> CallError:
-    """Return the problems of the arguments of a constructor."""
-    name = named.get("name", given[0] if given and "name" in cls.fields else "")
-    where = (
-        f"{cls.kind or cls.__name__} {name!r}" if isinstance(name, str) and name else cls.__name__
-    )
-    parameters = inspect.signature(cls).parameters
-    names = list(parameters)
-    unknown = [key for key in named if key not in names]
-    renamed = ARGUMENTS.get(cls.__name__, {})
-    problems = [
-        f"{key}= is now {renamed[key]}="
-        if key in renamed
-        else f"there is no argument {key!r}{suggest(key, names)}"
-        for key in unknown
-    ]
-    if not problems:
-        unnamed = [key for key, one in parameters.items() if one.kind is POSITIONAL]
-        twice = [key for key in unnamed[: len(given)] if key in named]
-        missing = [
-            key
-            for i, (key, one) in enumerate(parameters.items())
-            if one.default is one.empty
-            and one.kind in (POSITIONAL, one.KEYWORD_ONLY)
-            and key not in named
-            and not (one.kind is POSITIONAL and i < len(given))
-        ]
-        spread = any(one.kind is one.VAR_POSITIONAL for one in parameters.values())
-        if twice:
-            text = f"{twice[0]!r} is given twice, by its place and by its name"
-        elif len(given) > len(unnamed) and not spread:
-            text = f"{len(given)} arguments without a name are too many"
-        else:
-            plural = "arguments" if len(missing) > 1 else "argument"
-            text = f"missing {len(missing)} {plural}: {', '.join(map(repr, missing))}"
-        written = (
-            f"{key}=..." if one.kind is inspect.Parameter.KEYWORD_ONLY else key
-            for key, one in parameters.items()
-        )
-        usage = cls.usage or f"{cls.__name__}({', '.join(written)})"
-        problems = [f"{text}; it is called {usage}"]
-    return CallError([Problem(where, one) for one in problems])
+def _type(written: Any, here: Any) -> Any:
+    """Return the type of a field from its annotation in the frame of the class statement."""
+    if not isinstance(written, str):
+        return written
+    for names in (here.f_locals, here.f_globals):
+        if written in names:
+            return names[written]
+    return eval(written, here.f_globals, here.f_locals)
 
 
-def document(cls: type[Declared]) -> None:
-    """Append the parameters of a class to its docstring."""
-    text = inspect.cleandoc(vars(cls).get("__doc__") or "")
+class _Docstring:
+    """Docstring of a declared class, to which its parameters are appended at the first use."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+    def __get__(self, obj: object, owner: type[Declared]) -> str:
+        found = owner.__doc__ = with_parameters(self.text, owner)
+        return found
+
+
+def with_parameters(text: str, cls: type[Declared]) -> str:
+    """Return the docstring of a class with its parameters."""
+    text = inspect.cleandoc(text)
     if "Parameters\n---" in text or not cls.fields:
-        return
+        return text
     rows = []
     for kind in sorted(cls.fields.values(), key=lambda kind: kind.kw_only):
         unit = f", {kind.unit}" if str(kind.unit) not in ("", "1") else ""
@@ -245,7 +201,7 @@ def document(cls: type[Declared]) -> None:
         r"\n\n(?=(?:Attributes|Raises|Warns|See Also|Notes|Examples)\n---)", text
     )
     parameters = "\n".join(["Parameters", "----------", *rows])
-    cls.__doc__ = "\n\n".join([head, parameters, *rest])
+    return "\n\n".join([head, parameters, *rest])
 
 
 class Makes(Protocol[Out]):

@@ -118,6 +118,7 @@ class Field(Generic[In, Out]):
         self.wanted = wanted
         self.plain = plain
         self.name = ""
+        self.compare = True
 
     def __repr__(self) -> str:
         unit = f", {self.unit}" if str(self.unit) not in ("", "1") else ""
