@@ -69,9 +69,9 @@ long long jo_data_bytes(const jo_model *m)
 
 long long jo_data_room(const jo_model *m) { return jo_data_bytes(m) + 64; }
 
-jo_data *jo_data_place(const jo_model *m, void *memory)
+/* jo_data in a block that contains zeros */
+static jo_data *place(const jo_model *m, void *memory)
 {
-    memset(memory, 0, (size_t)jo_data_room(m));
     jo_arena a = {(char *)memory + (64 - (size_t)memory % 64), 0};
     jo_data *d = lay_out(m, &a);
     jo_forget_step(d);
@@ -100,6 +100,12 @@ jo_data *jo_data_place(const jo_model *m, void *memory)
     return d;
 }
 
+jo_data *jo_data_place(const jo_model *m, void *memory)
+{
+    memset(memory, 0, (size_t)jo_data_room(m));
+    return place(m, memory);
+}
+
 /* acceleration -g of the ground markers */
 void jo_data_gravity(const jo_model *m, jo_data *d)
 {
@@ -110,8 +116,9 @@ void jo_data_gravity(const jo_model *m, jo_data *d)
 #ifndef JO_NO_ALLOCATION   /* exported machines use memory of the caller */
 jo_data *jo_data_new(const jo_model *m)
 {
-    void *block = malloc((size_t)jo_data_room(m));
-    jo_data *d = block ? jo_data_place(m, block) : 0;
+    /* of a large block the system provides only the pages that are written: none for unused methods */
+    void *block = calloc(1, (size_t)jo_data_room(m));
+    jo_data *d = block ? place(m, block) : 0;
     if (d) d->arena = block;
     return d;
 }

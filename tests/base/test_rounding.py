@@ -9,6 +9,7 @@ import pytest
 
 import jousto as jo
 from cli.test_meshes import call
+from jousto.base import rounding
 from jousto.base.rounding import DIGITS, Scales, difference, without_rounding
 from jousto.scene.machine import run_scene
 from jousto.viewer.live.initial_scene import scene_at
@@ -100,3 +101,8 @@ def test_a_machine_at_rest_reads_zero(tmp_path: Any) -> None:
     code, text = call("peaks", tmp_path / "slow.h5", "speed")
     row = text.splitlines()[1].split()
     assert float(row[1]) == pytest.approx(1e-9, rel=1e-3)
+
+
+@pytest.mark.parametrize("unit", rounding.POWERS)
+def test_the_usual_units_have_the_dimension_that_the_library_of_units_gives(unit):
+    assert rounding.dimension(unit) == rounding.parsed_dimension(unit)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import importlib
+import json
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 import jousto
 from jousto.cli import group as cli
@@ -36,6 +39,64 @@ ALWAYS = {
     "scipy.stats",
     "skfem",
 }
+
+COUNTED = """
+import json, subprocess, sys
+sys.argv = ["jousto", *json.loads(sys.argv[1])]
+from jousto.cli import main
+try:
+    main()
+except SystemExit as end:
+    assert not end.code, end.code
+def below(kind):
+    return {kind}.union(*map(below, type.__subclasses__(kind)))
+names = [name for name in sys.modules if name.startswith("jousto")]
+made = [kind for kind in below(object) if "__dataclass_params__" in vars(kind)]
+print()
+print(json.dumps([[*sys.modules], len(names), len(made)]))
+"""
+# command: largest numbers of modules of jousto and of generated dataclasses, and the packages of
+# which nothing may be loaded. The time of a start follows these numbers.
+SHOWN = ("h5py", "matplotlib", "meshio", "pandas", "pint", "pycparser", "skfem")
+BUDGETS: dict[str, tuple[int, int, tuple[str, ...]]] = {
+    "--help": (40, 26, SHOWN),
+    "--version": (14, 8, SHOWN),
+    "check SWING": (240, 150, (*SHOWN, "scipy.linalg", "scipy.sparse", "jousto.recovery")),
+    "check PENDULUM": (345, 220, (*SHOWN, "jousto.recovery", "scipy.optimize")),
+    "run SWING": (275, 165, (*SHOWN[1:], "scipy.linalg", "scipy.sparse")),
+    "info RESULT": (192, 152, (*SHOWN[1:], "yaml")),
+    "plot RESULT place -o PICTURE": (102, 136, ("meshio", "pandas", "pint", "pycparser", "skfem")),
+    "schema": (425, 310, SHOWN[1:]),
+}
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """A model of a rigid body and its results."""
+    folder = tmp_path_factory.mktemp("start")
+    model = folder / "swing.yaml"
+    model.write_text(SWING, encoding="utf-8")
+    names = {"SWING": "swing.yaml", "RESULT": "swing.h5", "PICTURE": "swing.png"}
+    return {"PENDULUM": str(PENDULUM), **{key: str(folder / name) for key, name in names.items()}}
+
+
+@pytest.mark.parametrize("command", BUDGETS)
+def test_a_command_loads_no_more_than_its_budget(command, files):
+    if "RESULT" in command and not Path(files["RESULT"]).exists():
+        subprocess.run([sys.executable, "-m", "jousto", "run", files["SWING"]], check=True)
+    words = [files.get(word, word) for word in command.split()]
+    done = subprocess.run(
+        [sys.executable, "-c", COUNTED, json.dumps(words)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    modules, own, generated = json.loads(done.stdout.splitlines()[-1])
+    most, most_generated, none = BUDGETS[command]
+    assert modules, "or this test looks at nothing"
+    assert not [name for name in modules for one in none if f"{name}.".startswith(f"{one}.")]
+    assert own <= most
+    assert generated <= most_generated
 
 
 def loaded(code: str) -> set[str]:

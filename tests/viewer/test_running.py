@@ -226,7 +226,7 @@ def test_wrong_ranges_and_methods_are_sentences(model: jo.Model, tmp_path: Path)
 def test_other_files_have_no_ranges(tmp_path: Path) -> None:
     from typer.testing import CliRunner
 
-    from jousto.cli import app
+    from jousto.cli.group import app
 
     model = Path(__file__).parents[2] / "examples" / "crane.yaml"
     words = ["export", str(model), "-o", str(tmp_path / "crane.c"), "--input", "a=0..1"]

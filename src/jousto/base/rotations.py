@@ -73,6 +73,27 @@ def euler_parameters(A: ArrayLike) -> Array:
     return -e if e[0] < 0.0 else e
 
 
+def euler_parameters_of(A: ArrayLike) -> Array:
+    """Return the unit Euler parameters (n, 4) of rotation matrices (n, 3, 3), with e0 >= 0.
+
+    Row k of the matrix ``4 e e^T``, whose entries are sums of entries of A, is a multiple of e;
+    k is the largest component (Shepperd).
+    """
+    A = floats(A)
+    trace = np.trace(A, axis1=1, axis2=2)
+    Q = np.empty((len(A), 4, 4))
+    Q[:, 0, 0] = 1 + trace
+    for i in range(3):
+        j, m = (i + 1) % 3, (i + 2) % 3
+        Q[:, 0, i + 1] = Q[:, i + 1, 0] = A[:, m, j] - A[:, j, m]
+        Q[:, i + 1, i + 1] = 1 + 2 * A[:, i, i] - trace
+        Q[:, i + 1, j + 1] = Q[:, j + 1, i + 1] = A[:, i, j] + A[:, j, i]
+    largest = np.argmax(np.diagonal(Q, axis1=1, axis2=2), axis=1)
+    e = np.take_along_axis(Q, largest[:, None, None], axis=1)[:, 0]
+    e /= np.linalg.norm(e, axis=1, keepdims=True)
+    return np.asarray(np.where(e[:, :1] < 0.0, -e, e))
+
+
 def exp_rotation(theta: ArrayLike) -> Array:
     """Return exp(theta~), the rotation by ``|theta|`` rad about theta (Rodrigues).
 

@@ -102,14 +102,31 @@ class Scales:
         return np.array(astuple(self))
 
 
+POWERS: dict[str, tuple[float, float, float] | None] = {
+    "m": (0, 1, 0),
+    "m/s": (0, 1, -1),
+    "m/s2": (0, 1, -2),
+    "rad": None,
+    "rad/s": None,
+    "rad/s2": None,
+    "N": (1, 1, -2),
+    "N m": (1, 2, -2),
+    "J": (1, 2, -2),
+    "Pa": (1, -1, -2),
+}
+"""The `dimension` of the usual units, for which the library of units need not be loaded."""
+
+
 @cache
 def dimension(unit: str) -> tuple[float, float, float] | None:
-    """Return the powers of kg, m and s of a unit; None for other units and pure numbers.
-
-    Angles and strains have the powers 0, 0, 0.
-    """
+    """Return the powers of kg, m and s of a unit; None for others, angles and pure numbers."""
     if unit in ("", "1"):
         return None
+    return POWERS[unit] if unit in POWERS else parsed_dimension(unit)
+
+
+def parsed_dimension(unit: str) -> tuple[float, float, float] | None:
+    """Return the `dimension` of any unit."""
     try:
         powers = dict(parse_unit(unit).dimensionality)
     except ValueError:

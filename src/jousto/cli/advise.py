@@ -108,7 +108,7 @@ def advise(
 
 def _is_machine(path: Path) -> bool:
     """Return whether a file is a model, not a part alone."""
-    from jousto.robots.readers.files import SUFFIXES
+    from jousto.robots.readers.suffixes import SUFFIXES
     from jousto.schema.file.document import read_document
 
     return path.suffix.lower() in SUFFIXES or "bodies" in read_document(path).data

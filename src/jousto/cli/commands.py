@@ -102,10 +102,9 @@ def info(
 ) -> None:
     """Print the content of a model file, results file, reduced part or mesh (lengths in m)."""
     from jousto.mesh.formats import begins_as_mesh, is_mesh
-    from jousto.reduction.reduced import SID, ReducedPart
-    from jousto.schema.file.document import is_hdf5
+    from jousto.reduction.files.suffixes import SID
+    from jousto.schema.file.document import MODELS, is_hdf5
     from jousto.schema.output_paths import MONITOR, REDUCED_PART, hdf5_format
-    from jousto.schema.read import MODELS
 
     check_input(file)
     if is_mesh(file) or (file.suffix.lower() not in MODELS and begins_as_mesh(file)):
@@ -114,6 +113,8 @@ def info(
 
         describe_mesh(read_mesh(file))
     elif file.suffix.lower() in SID or (is_hdf5(file) and hdf5_format(file) == REDUCED_PART):
+        from jousto.reduction.reduced import ReducedPart
+
         part = ReducedPart.load(file)
         describe_part(part)
         describe_content(part)

@@ -80,7 +80,7 @@ def export(
     kind = hdf5_format(file)
     what = {REDUCED_PART: "reduced part", RESULTS: "results"}.get(kind, "")
     if not what:
-        from jousto.schema.read import MODELS
+        from jousto.schema.file.document import MODELS
 
         what = "model" if file.suffix.lower() in MODELS else ""
     if not what:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -39,7 +39,7 @@ from jousto.model.packing.sensors import NOT_UNIQUE, flag_reactions, meter_model
 from jousto.model.rank.redundancy import check_closed, is_drive, repeated_rows
 from jousto.model.scales import largest_speed, velocity_metres
 from jousto.model.start_complex_step import with_start
-from jousto.model.symbols import Symbols
+from jousto.model.symbol_record import Symbols, SymbolShape
 from jousto.model.tree import with_core
 from jousto.reduction.stress_sites import located
 
@@ -156,7 +156,7 @@ def pack(mechanism: Mechanism) -> tuple[Model, Builder]:
         beams=beam_models(mechanism, index),
         beam_shapes=beam_shapes(mechanism, index),
         mode_loads=ModeLoads() if is_stepping() else mode_loads(mechanism),
-        symbols=() if is_stepping() else Symbols(mechanism, index),
+        symbols=() if is_stepping() else _symbols(mechanism, index),
         fmus=fmu_models(mechanism, sensors),
         start=mechanism.start,
     )
@@ -246,6 +246,17 @@ def _elimination(
         reason = "has so many loops that a large part of its joints is coupled with one another"
         remedy = "leave out joints that close loops, or merge bodies with little relative motion"
     raise InputError(Problem(found, f"{reason} ({cost}); {remedy}"))
+
+
+def _symbols(mechanism: Mechanism, index: Mapping[int, int]) -> Symbols:
+    """Return the symbols of a mechanism, which are made when it is drawn."""
+
+    def make() -> tuple[SymbolShape, ...]:
+        from jousto.model.symbols import symbols
+
+        return symbols(mechanism, index)
+
+    return Symbols(mechanism.name, make)
 
 
 def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:

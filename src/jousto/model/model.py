@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +14,16 @@ from jousto.base.arrays import Array
 from jousto.base.object_repr import described
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.law import EngineLaw, law_of
-from jousto.mechanism.foreign.fmu import Fmu
-from jousto.mechanism.sensors.damage_rule import MeterRule
-from jousto.model.beam_record import BeamShape
 from jousto.model.elimination_order import Elimination
-from jousto.model.frame_record import FrameShape
-from jousto.model.mode_loads import ModeLoad
 from jousto.model.symbol_record import SymbolShape
-from jousto.reduction.fields.stress import StressModes
+
+if TYPE_CHECKING:
+    from jousto.mechanism.foreign.fmu import Fmu
+    from jousto.mechanism.sensors.damage_rule import MeterRule
+    from jousto.model.beam_record import BeamShape
+    from jousto.model.frame_record import FrameShape
+    from jousto.model.mode_loads import ModeLoad
+    from jousto.reduction.fields.stress import StressModes
 
 
 @described

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, overload
 
 import numpy as np
 
 from jousto.base.arrays import Array
+from jousto.base.errors import count
 from jousto.base.object_repr import described
 
 GROUPS = ("joint", "force", "sensor", "marker")
@@ -73,3 +77,39 @@ class SymbolShape:
 
 
 NO_TURN = np.eye(3)
+
+
+class Symbols(Sequence[SymbolShape]):
+    """Symbols of a mechanism, created at first use, since few models are drawn.
+
+    Parameters
+    ----------
+    name : str
+        Name of the mechanism.
+    make : callable
+        Returns the symbols.
+    """
+
+    def __init__(self, name: str, make: Callable[[], tuple[SymbolShape, ...]]) -> None:
+        self._name, self._make = name, make
+
+    @cached_property
+    def _made(self) -> tuple[SymbolShape, ...]:
+        return self._make()
+
+    @overload
+    def __getitem__(self, place: int) -> SymbolShape: ...
+    @overload
+    def __getitem__(self, place: slice) -> Sequence[SymbolShape]: ...
+    def __getitem__(self, place: int | slice) -> SymbolShape | Sequence[SymbolShape]:
+        return self._made[place]
+
+    def __len__(self) -> int:
+        return len(self._made)
+
+    def __repr__(self) -> str:
+        return f"<Symbols {self._name!r}: {count(len(self), 'symbol')}>"
+
+    def __reduce__(self) -> Any:
+        # pickle the symbols, not the maker: bodies have other ids in another process
+        return tuple, (self._made,)

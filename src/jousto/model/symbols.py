@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property
-from typing import Any, overload
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.complexstep import floats
-from jousto.base.errors import count
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.beams.discretisation import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
@@ -41,55 +39,6 @@ def symbols(mechanism: Mechanism, index: Mapping[int, int]) -> tuple[SymbolShape
         *(symbol for sensor in mechanism.sensors for symbol in make.sensor(sensor)),
         *(symbol for body in mechanism.bodies for symbol in make.named(body)),
     )
-
-
-class Symbols(Sequence[SymbolShape]):
-    """Symbols of a mechanism, created at first use, since few models are drawn.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    index : mapping of int to int
-        Index of every moving body by its id.
-    """
-
-    _make: Callable[[], Mechanism]
-
-    def __init__(self, mechanism: Mechanism, index: Mapping[int, int]) -> None:
-        vars(self)["_given"] = mechanism, index
-
-    @classmethod
-    def later(cls, make: Callable[[], Mechanism]) -> Symbols:
-        """Return the symbols of a mechanism that a function makes when they are first used."""
-        made = cls.__new__(cls)
-        made._make = make
-        return made
-
-    @cached_property
-    def _given(self) -> tuple[Mechanism, Mapping[int, int]]:
-        mechanism = self._make()
-        return mechanism, {id(body): i for i, body in enumerate(mechanism.bodies)}
-
-    @cached_property
-    def _made(self) -> tuple[SymbolShape, ...]:
-        return symbols(*self._given)
-
-    @overload
-    def __getitem__(self, place: int) -> SymbolShape: ...
-    @overload
-    def __getitem__(self, place: slice) -> Sequence[SymbolShape]: ...
-    def __getitem__(self, place: int | slice) -> SymbolShape | Sequence[SymbolShape]:
-        return self._made[place]
-
-    def __len__(self) -> int:
-        return len(self._made)
-
-    def __repr__(self) -> str:
-        return f"<Symbols {self._given[0].name!r}: {count(len(self), 'symbol')}>"
-
-    def __reduce__(self) -> Any:
-        # pickle the symbols, not the maker: bodies have other ids in another process
-        return tuple, (self._made,)
 
 
 class SymbolMaker:

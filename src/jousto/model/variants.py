@@ -45,7 +45,8 @@ from jousto.model.model import BodyModel, Model, SignalModel
 from jousto.model.native.layout import lay_out_like
 from jousto.model.packing.builder import friction_numbers, numbers_of
 from jousto.model.sameness import Comparison
-from jousto.model.symbols import Symbols
+from jousto.model.symbol_record import Symbols, SymbolShape
+from jousto.model.symbols import symbols
 
 MOTION = frozenset({"velocity", "angular_velocity"})
 RIGID = MOTION | {"mass", "inertia", "center"}
@@ -252,7 +253,7 @@ class Variants:
             elif not isinstance(a, Initial):
                 raise _Structure
         new |= {group: tuple(made) for group, made in lists.items()}
-        new["symbols"] = Symbols.later(whole)
+        new["symbols"] = Symbols(was.name, lambda: _symbols(whole()))
         if self._flexible:
             new["mode_loads"] = mode_loads(mechanism)
         made = was.with_records(**new)
@@ -351,3 +352,8 @@ def _set_velocities(v: Any, model: BodyModel, body: RigidBody | FlexibleBody) ->
     if w.any():
         w = rotation_matrix(body.orientation).T @ w
     v[model.iv : model.iv + 6 + model.n] = np.concatenate([body.velocity, w, body.modal_velocities])
+
+
+def _symbols(mechanism: Mechanism) -> tuple[SymbolShape, ...]:
+    """Return the symbols of a mechanism."""
+    return symbols(mechanism, {id(body): i for i, body in enumerate(mechanism.bodies)})

@@ -16,10 +16,9 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.reduction.content import Content
+from jousto.reduction.files.suffixes import SID
 from jousto.reduction.modes.rigid import length_scale, rigid_modes
 
-SID = (".sid", ".sid_fem")
-"""File endings of standard input data."""
 RIGID = 1e-9
 """Largest deformation of interfaces that move as one rigid body / their motion in a mode."""
 

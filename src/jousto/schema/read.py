@@ -15,14 +15,12 @@ from jousto.base.garbage_collection import uncollected
 from jousto.base.object_repr import described
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.mechanism.mechanism import Mechanism
-from jousto.robots.build import mechanism as robot_mechanism
-from jousto.robots.readers.files import SUFFIXES, read_robot
+from jousto.robots.readers.suffixes import SUFFIXES
 from jousto.schema.entries.choices import WholeSchema
 from jousto.schema.entries.model import ModelEntry
 from jousto.schema.entries.parts import ReducedEntry
 from jousto.schema.entries.solids import PartEntry
 from jousto.schema.file.document import (
-    DOCUMENTS,
     Document,
     Loc,
     parse_document,
@@ -49,7 +47,6 @@ from jousto.schema.variants import Variants
 if TYPE_CHECKING:
     from jousto.design.studies.outcomes.requirement import Requirement
 
-MODELS = (*DOCUMENTS, *SUFFIXES)  # suffixes of files that `read_model` reads
 PART_TYPES = ("beam", "members", "frame", "solid", "matrices", "reduced")
 
 
@@ -134,6 +131,9 @@ def read_model(
         For all warnings of the constructors, with lines, and for unused parameters.
     """
     if Path(path).suffix.lower() in SUFFIXES:
+        from jousto.robots.build import mechanism as robot_mechanism
+        from jousto.robots.readers.files import read_robot
+
         return ModelFile(robot_mechanism(read_robot(path)))
     document = read_document(path)
     return build_model(document, rigid=rigid, trust=trust, progress=progress, parameters=parameters)

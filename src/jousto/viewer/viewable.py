@@ -10,10 +10,11 @@ from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.base.files import check_input
 from jousto.fatigue.miner.damage_field import DamageField
 from jousto.mesh.formats import MESHES, begins_as_mesh, is_cad, is_mesh
-from jousto.reduction.reduced import SID, ReducedPart
-from jousto.schema.file.document import is_hdf5
+from jousto.reduction.files.suffixes import SID
+from jousto.reduction.reduced import ReducedPart
+from jousto.schema.file.document import MODELS, is_hdf5
 from jousto.schema.output_paths import DAMAGED, REDUCED_PART, RESULTS, hdf5_format
-from jousto.schema.read import MODELS, ModelFile, read_model
+from jousto.schema.read import ModelFile, read_model
 from jousto.simulation.results.solution import load
 from jousto.viewer.file_watch import check_comparable
 

@@ -14,7 +14,6 @@ from jousto.robots.readers.sdf import read_sdf
 from jousto.robots.readers.urdf import read_urdf
 from jousto.robots.readers.xml import parse_file
 
-SUFFIXES = (".urdf", ".mjcf", ".sdf", ".xml")
 READERS: dict[str, Callable[..., Robot]] = {
     "robot": read_urdf,
     "mujoco": read_mjcf,

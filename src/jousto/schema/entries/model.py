@@ -6,13 +6,10 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, Tag
 
-from jousto.mechanism.elastic_joint import ElasticJoint
 from jousto.mechanism.event import Event
 from jousto.mechanism.forces.friction import Friction
-from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.initial import Initial
 from jousto.reduction.damping import Rayleigh
-from jousto.robots.in_mechanism import RobotInMechanism
 from jousto.schema.entries import beams as beams, connections as connections
 from jousto.schema.entries.base import (
     Acceleration3,
@@ -26,10 +23,9 @@ from jousto.schema.entries.blocks.fatigue import FatigueEntry
 from jousto.schema.entries.blocks.limits import ReliabilityEntry
 from jousto.schema.entries.blocks.monitor import MonitorEntry
 from jousto.schema.entries.choices import Later, by_form
-from jousto.schema.entries.declared import FORMS, alone, entry_of, one_of, several
+from jousto.schema.entries.declared import FORMS, EntryOf, alone, entry_of, one_of, several
 from jousto.schema.entries.sensors import SensorEntry
 from jousto.schema.entries.solids import PartEntry
-from jousto.schema.optimisation import Optimisation
 from jousto.schema.simulation import Simulation
 
 # -- bodies ---------------------------------------------------------------------------------
@@ -84,7 +80,7 @@ FORMS.update(
         "fmu pairs": lambda field: dict[Text, Text],
     }
 )
-FmuEntry: Any = alone(Fmu)
+FmuEntry: Any = Annotated[Any, EntryOf("jousto.mechanism.foreign.fmu", "Fmu")]
 FORMS.update(
     {
         "robot": lambda field: Text,
@@ -93,9 +89,9 @@ FORMS.update(
         "robot starts": lambda field: dict[Text, Amount],
     }
 )
-RobotEntry: Any = alone(RobotInMechanism)
-ElasticJointEntry: Any = alone(ElasticJoint)
-OptimisationEntry: Any = alone(Optimisation)
+RobotEntry: Any = Annotated[Any, EntryOf("jousto.robots.in_mechanism", "RobotInMechanism")]
+ElasticJointEntry: Any = Annotated[Any, EntryOf("jousto.mechanism.elastic_joint", "ElasticJoint")]
+OptimisationEntry: Any = Annotated[Any, EntryOf("jousto.schema.optimisation", "Optimisation")]
 ForceEntry: Any = one_of("forces", "jousto.mechanism.forces")
 
 

@@ -12,8 +12,10 @@ from jousto.base.files import check_text
 from jousto.base.garbage_collection import uncollected
 from jousto.base.object_repr import described
 from jousto.mesh.formats import is_cad, is_mesh
+from jousto.robots.readers.suffixes import SUFFIXES
 
 DOCUMENTS = (".yaml", ".yml", ".json")  # suffixes of hand-written files
+MODELS = (*DOCUMENTS, *SUFFIXES)  # suffixes of files that `read_model` reads
 
 Loc: TypeAlias = tuple[int | str, ...]
 

@@ -15,9 +15,6 @@ from jousto.mechanism.bodies.marker import Marker, marker_axes
 from jousto.mechanism.forces.base import ForceElement
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.sensors.base import Sensor
-from jousto.robots.build import SINGLE, by_joint, ends_of, wrong_joint, wrong_start
-from jousto.robots.in_mechanism import RobotInMechanism
-from jousto.robots.readers.files import read_robot
 from jousto.schema.make.builder import Section
 from jousto.schema.make.declared import Place
 from jousto.schema.make.quantities import build_amount
@@ -83,7 +80,7 @@ class Joined(Mapping[str, Any]):
     def names(self) -> list[str]:
         """Return the names of the section, and of the frames of robots that are already built."""
         made = [group for section in self.groups for group in section.made.values()]
-        robots = [group for group in made if isinstance(group, RobotInMechanism)]
+        robots = [group for group in made if group is not None and group.register == "robots"]
         return [*self.own, *(f"{robot.prefix}{name}" for robot in robots for name in robot.frames)]
 
     def _prefixes(self) -> list[tuple[Section, int, str]]:
@@ -107,7 +104,7 @@ class Joined(Mapping[str, Any]):
         """Return a named frame of a robot; None if there is no such frame."""
         for robot in self.likely(name):
             own = name.removeprefix(robot.prefix)
-            if isinstance(robot, RobotInMechanism) and own in robot.frames:
+            if robot.register == "robots" and own in robot.frames:
                 return Held(name, robot[own])
         return None
 
@@ -170,6 +167,8 @@ def prefix_of(section: Section, entry: Mapping[str, Any]) -> str:
 
 def robot(place: Place, name: str) -> Any:
     """Return the robot of a file, relative to the model file."""
+    from jousto.robots.readers.files import read_robot
+
     return place.builder.make(place.loc, read_robot, place.builder.file(name))
 
 
@@ -193,6 +192,8 @@ def base(place: Place, name: str) -> Any:
 
 def starts(place: Place, given: Mapping[str, Any]) -> Any:
     """Return the initial values of joints, rad or m; None if one is invalid."""
+    from jousto.robots.build import SINGLE, by_joint, ends_of, wrong_joint, wrong_start
+
     made, stops = place.values["robot"], place.values.get("stops", True)
     if made is None:
         return None

@@ -8,7 +8,6 @@ import numpy as np
 
 from jousto.model.beam_record import BeamShape, SectionShape
 from jousto.model.frame_record import ARRAYS, FrameShape
-from jousto.reduction.fields.residual_stress import ResidualStress
 from jousto.reduction.fields.stress import StressModes
 
 GROUP = "stress"
@@ -65,6 +64,8 @@ def read_stress(body: Any) -> StressModes | None:
             sets = dict(zip(names, pieces, strict=True))
         residual = None
         if "residual" in group:
+            from jousto.reduction.fields.residual_stress import ResidualStress  # loads scipy
+
             residual = ResidualStress(
                 tuple(name.decode() for name in group["residual_names"][()]),
                 group["residual"][()],

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from jousto.base.rotations import euler_parameters_of, rotation_matrix
 from jousto.model.symbol_record import SymbolPoint, SymbolShape
 
 GROUP = "symbols"
+SCALAR_LAST, SCALAR_FIRST = [1, 2, 3, 0], [3, 0, 1, 2]  # files have e1 e2 e3 e0
 WORDS = ("name", "kind", "group", "text", "sensor")
 
 
@@ -22,7 +23,7 @@ def symbol_arrays(found: Sequence[SymbolShape]) -> dict[str, Any]:
     words = [[getattr(one, word) for one in found] for word in WORDS]
     none = np.full(3, np.nan)
     axes = np.array([point.axes for point in points]).reshape(-1, 3, 3)
-    turns = Rotation.from_matrix(axes).as_quat() if len(axes) else np.zeros((0, 4))
+    turns = euler_parameters_of(axes)[:, SCALAR_LAST]
     return {
         "words": np.frombuffer(json.dumps(words, ensure_ascii=False).encode(), dtype=np.uint8),
         "ends": np.cumsum([len(one.points) for one in found], dtype="<i8"),
@@ -65,7 +66,7 @@ def check_symbols(found: tuple[SymbolShape, ...], bodies: Any) -> tuple[SymbolSh
 def read_symbols(group: Any) -> tuple[SymbolShape, ...]:
     """Return the symbols in an HDF5 group."""
     arrays = {name: group[name][()] for name in group}
-    axes = Rotation.from_quat(arrays["turns"]).as_matrix() if len(arrays["turns"]) else ()
+    axes = rotation_matrix(arrays["turns"][:, SCALAR_FIRST])
     cuts = np.concatenate([[0], arrays["mode_ends"]])
     points = []
     for k, (body, node, u0) in enumerate(

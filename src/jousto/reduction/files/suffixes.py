@@ -1,0 +1,6 @@
+"""Suffixes of files with reduced parts in the format of other programs."""
+
+from __future__ import annotations
+
+SID = (".sid", ".sid_fem")
+"""Endings of standard input data."""

@@ -1,0 +1,5 @@
+"""Suffixes of robot files."""
+
+from __future__ import annotations
+
+SUFFIXES = (".urdf", ".mjcf", ".sdf", ".xml")
