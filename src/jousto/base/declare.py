@@ -121,17 +121,17 @@ class Declared:
         problems = Problems()
         where = self.heading(problems)
         wrong = {"name"} if problems.found else set()
-        values = vars(self)
+        values, noted = vars(self), len(problems.found)
         for key, kind in self.fields.items():
             value = values[key]
             if value is None and not kind.checks_none and (kind.optional or kind.default is None):
                 continue
             if value is not kind.default or kind.default_kept is MISSING:
-                before = len(problems.found)
                 found = kind.check(problems, where, value)
-                if len(problems.found) > before:
+                if len(problems.found) > noted:
                     wrong.add(key)
-                    problems.found[before:] = map(kind.located, problems.found[before:])
+                    problems.found[noted:] = map(kind.located, problems.found[noted:])
+                    noted = len(problems.found)
                 elif value is kind.default:
                     kind.default_kept = found
             else:  # checked before

@@ -263,12 +263,13 @@ def check(model: Model, core: Core = None, trust: Trust = False) -> None:
 
     file = read_model(model, trust=trust)
     describe_model(file)
-    compiled = compile_model(file.mechanism, core)
+    mechanism, settings = file.mechanism, file.simulation
+    del file  # the data of the file, a quarter of the memory of a large model
+    compiled = compile_model(mechanism, core)
     diagnosis = doctor(compiled)
     facts([line for line in diagnosis.lines() if line[0] != "warning"])
     for sentence in diagnosis.warnings:
         warnings.warn(JoustoWarning(sentence), stacklevel=1)
-    settings = file.simulation
     if settings is not None:
         from jousto.simulation.solvers.default_solver import choose
         from jousto.simulation.solvers.schedule import schedule

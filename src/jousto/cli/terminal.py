@@ -22,14 +22,20 @@ def say(text: str, *, error: bool = False, style: str = "") -> None:
 
     Control characters in names from files are replaced by escape codes.
     """
+    say_lines([text], error=error, style=style)
+
+
+def say_lines(lines: Iterable[str], *, error: bool = False, style: str = "") -> None:
+    """Print lines like `say`, all at once: a large model has a hundred thousand."""
+    text = "\n".join(map(harmless, lines))
     stream = sys.stderr if error else sys.stdout
     if not (stream.isatty() or os.environ.get("FORCE_COLOR")):
-        print(harmless(text), file=stream, flush=True)
+        print(text, file=stream, flush=True)
         return
     from rich.console import Console
 
     console = Console(stderr=error, soft_wrap=True, markup=False, highlight=False, emoji=False)
-    console.print(harmless(text), style=style)
+    console.print(text, style=style)
 
 
 @contextlib.contextmanager
@@ -116,17 +122,20 @@ def facts(rows: list[tuple[str, str]], title: str = "") -> None:
     if title:
         say(title, style="bold")
     width = max((len(name) for name, _ in rows), default=0)
-    for name, value in rows:
-        say(f"  {name:<{width}}  {value}".rstrip())
+    if rows:
+        say_lines(f"  {name:<{width}}  {value}".rstrip() for name, value in rows)
 
 
 def columns(rows: Iterable[Sequence[str]], sides: str = "<") -> None:
     """Print rows in columns; `sides`: ``<`` or ``>`` for each, the last one for all others."""
     rows = list(rows)
     widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
+    lines = []
     for row in rows:
         cells = zip(row, sides.ljust(len(row), sides[-1]), widths, strict=True)
-        say(("  " + "  ".join(f"{cell:{side}{width}}" for cell, side, width in cells)).rstrip())
+        lines.append("  " + "  ".join(f"{cell:{side}{width}}" for cell, side, width in cells))
+    if lines:
+        say_lines(map(str.rstrip, lines))
 
 
 def most_at(shape: Mapping[str, Any]) -> str:

@@ -231,8 +231,13 @@ class _Tree:
                 raise _Unfit(f"event '{event}' releases '{joint.name}'")
 
     def _ends(self, joint: int) -> tuple[int, int]:
-        a, b = self.model.joints[joint].sides[:2]
-        return self.model.markers[a].body, self.model.markers[b].body
+        return self._bodies[joint]
+
+    @cached_property
+    def _bodies(self) -> list[tuple[int, int]]:
+        """The two bodies of each joint."""
+        of = [marker.body for marker in self.model.markers]
+        return [(of[joint.sides[0]], of[joint.sides[1]]) for joint in self.model.joints]
 
     def _joints(self) -> list[int]:
         """Return the joints that become links; store the drives of coordinates.

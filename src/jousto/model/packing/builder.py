@@ -53,6 +53,7 @@ class Builder:
         self.signals: list[SignalModel] = []
         self.forces: list[ForceModel] = []
         self._states = 0
+        self._row = 0  # first row of the next joint
         self.frictions: list[FrictionModel] = []
         self.events: list[EventModel] = []
         self.force_places: dict[int, int] = {}
@@ -155,8 +156,9 @@ class Builder:
         lines: tuple[LineModel, ...],
         **more: Any,
     ) -> int:
-        row = self.joints[-1].row + self.joints[-1].rows if self.joints else 0
-        self.joints.append(JointModel(name, sides, coincident, perpendicular, row, lines, **more))
+        made = JointModel(name, sides, coincident, perpendicular, self._row, lines, **more)
+        self._row += made.rows
+        self.joints.append(made)
         return len(self.joints) - 1
 
     def signal(self, signal: Signal | None) -> int:

@@ -299,11 +299,12 @@ def _fields(
 ) -> tuple[StressField, ...]:
     """Return the fields of the search from a run or from fields."""
     if isinstance(source, Solution):
-        names = [x.name for x in source.bodies] + [x.name for x in source.beams]
         wanted = [bodies] if isinstance(bodies, str) else list(bodies or ())
         problems = Problems()
-        for name in wanted:
-            if name not in names:
+        # of a file, beams are read only for names that no body has
+        if unknown := [name for name in wanted if name not in source.body_names]:
+            names = [*source.body_names, *(beam.name for beam in source.beams)]
+            for name in (x for x in unknown if x not in names):
                 problems.add(source.where, f"no body '{name}'{suggest(name, names)}")
         problems.raise_if_any()
         known = wanted or list(source.stressed)

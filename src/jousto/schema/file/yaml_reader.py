@@ -76,6 +76,8 @@ class YamlReader:
         self.count = 0
         self.section = 1  # line of the current top-level key
         self.words: dict[tuple[str, Any, Any], Any] = {}  # cache of scalar values, which repeat
+        # the cache for entries without a line
+        self.known = self.words if lines is None else {}
         hidden = shielded(text)
         self.hides = hidden is not text
         self.next = CParser(hidden).get_event
@@ -178,11 +180,6 @@ class YamlReader:
 
     def at(self, key: int | str, event: Any) -> Any:
         """Return the plain data of an entry of the current collection."""
-        if self.lines is None and type(event) is ScalarEvent:
-            word = (event.value, event.tag, event.style)
-            if word in self.words:
-                self.count += 1
-                return self.words[word]
         self.path.append(key)
         found = self.value(event)
         self.path.pop()
@@ -191,19 +188,26 @@ class YamlReader:
     def sequence(self) -> list[Any]:
         """Return the list that continues with the next event."""
         data: list[Any] = []
-        while type(event := self.next()) is not SequenceEndEvent:
+        after, words = self.next, self.known
+        while type(event := after()) is not SequenceEndEvent:
+            if type(event) is ScalarEvent:
+                word = (event.value, event.tag, event.style)
+                if word in words:
+                    self.count += 1
+                    data.append(words[word])
+                    continue
             data.append(self.at(len(data), event))
         return data
 
     def mapping(self) -> dict[str, Any]:
         """Return the dictionary that continues with the next event, with merged keys (``<<``)."""
         data: dict[str, Any] = {}
-        first: dict[str, int] = {}  # first line of each key, to report duplicates
+        first: dict[str, Any] = {}  # first event of each key, to report duplicates
         merged: list[Any] = []
-        while type(event := self.next()) is not MappingEndEvent:
-            line = event.start_mark.line + 1
-            if not self.path:
-                self.section = line
+        after, words, outermost = self.next, self.known, not self.path
+        while type(event := after()) is not MappingEndEvent:
+            if outermost:
+                self.section = event.start_mark.line + 1
             if type(event) is not ScalarEvent:
                 self.note(event, "a key must be a plain word")
                 self.skip(event)
@@ -215,14 +219,21 @@ class YamlReader:
                 continue
             if key in data:
                 self.path.append(key)
-                self.note(event, f"given twice, first in line {first[key]}")
+                self.note(event, f"given twice, first in line {first[key].start_mark.line + 1}")
                 self.path.pop()
                 self.skip(self.next())
                 continue
-            first[key] = line
+            first[key] = event
             if self.lines is not None:
-                self.lines[*self.path, key] = line
-            data[key] = self.at(key, self.next())
+                self.lines[*self.path, key] = event.start_mark.line + 1
+            event = after()
+            if type(event) is ScalarEvent:
+                word = (event.value, event.tag, event.style)
+                if word in words:
+                    self.count += 1
+                    data[key] = words[word]
+                    continue
+            data[key] = self.at(key, event)
         for other in merged:
             if isinstance(other, dict):
                 data = {**other, **data}

@@ -92,6 +92,7 @@ def build_declared(
     given = entry.given()
     values: dict[str, Any] = {}
     items: tuple[Any, ...] = ()
+    complete = True
     for key, field in cls.fields.items():
         if field.key not in given:
             continue
@@ -103,7 +104,8 @@ def build_declared(
         else:
             place = Place(builder, (*loc, field.key), field, known, values, use)
             values[key] = make(place, given[field.key])
-    if any(value is None for value in values.values()):
+        complete = complete and values[key] is not None
+    if not complete:
         return None
     for key in cls.spread:
         items = values.pop(key, ())

@@ -439,6 +439,11 @@ class Solution(Mapping[str, Array]):
         """Bodies with their geometry for pictures."""
         return self._records.bodies()
 
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """Names of the bodies; their geometry is not read."""
+        return tuple(self._records.places())
+
     def body(self, name: str) -> BodyShape | None:
         """Return the body with a name, without reading other bodies; None if there is none."""
         return self._records.body(name)
