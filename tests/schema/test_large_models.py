@@ -133,7 +133,7 @@ def elastic(n):
 
 @pytest.mark.parametrize(
     ("machine", "n"),
-    [(loose, 210), (star, 210), (busy, 70), (hub, 210), (chain, 210), (tree, 210), (loops, 70)]
+    [(loose, 210), (star, 210), (busy, 70), (hub, 210), (chain, 210), (tree, 210), (loops, 140)]
     + [(elastic, 40)],
 )
 def test_work_grows_with_the_bodies(machine, n):
