@@ -50,6 +50,7 @@ typedef struct {
     jo_real *estimate;      /* (4) of iteration_limit.c */
     jo_real *whole;         /* (nv + nrow) the increment that is being shortened */
     jo_weights weights;     /* weights with which N was factored */
+    int forces_read;        /* whether sensors read forces, which then belong to the state at the end of each step */
     double aged;            /* largest rotation of a body since the factorisation, rad */
 } jo_alpha;
 
@@ -62,6 +63,8 @@ typedef struct {
     double *level, *below, *above, *trial, *scale;   /* value less threshold, margin: at the start of the step, at the ends of the
                                                       * interval in which a crossing lies, between; change in the step */
     int *side;              /* sign of the value; 0 if it starts at the threshold */
+    struct jo_approach *near;   /* (2 nyielding) gaps at the start and at the end of the step */
+    long long unproven;     /* steps in which a gap may have closed for a moment shorter than can be resolved */
     int demanding;          /* whether watched sensors need accelerations */
     int yields;             /* ends of branches of forces that yield, since the last step without any */
     double *log;            /* (jo_log_room x 3) time, event or nevent + friction, direction or slip */

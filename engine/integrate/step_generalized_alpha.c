@@ -338,6 +338,17 @@ static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
     return JO_OK;
 }
 
+/* whether sensors read what an evaluation of the forces leaves */
+static int forces_read(const jo_model *m)
+{
+    for (int i = 0; i < m->nsensor; i++)
+        switch (m->sensor[i].type) {
+        case JO_SENSOR_ELEMENT: case JO_SENSOR_FRICTION: case JO_SENSOR_SECTION: case JO_SENSOR_BODY_LOAD: case JO_SENSOR_MODAL_LOAD: return 1;
+        default: break;
+        }
+    return 0;
+}
+
 /* work of the step by the trapezoidal rule, with forces and multipliers at its start and end; close: the power is that of the last
  * iteration, and only the motion of bodies and markers is computed */
 static int finish_work(const jo_model *m, jo_data *d, double h, int close)
@@ -399,7 +410,13 @@ static int accept(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
     }
     for (int i = 0; i < m->nrow; i++) d->alpha.end_lam[i] = d->lam[i];
     if (status == JO_OK) status = finish_work(m, d, s->step, close);
-    return status == JO_OK && s->projection && m->njoint ? close_joints(m, d, stage) : status;
+    if (status == JO_OK && s->projection && m->njoint) status = close_joints(m, d, stage);
+    if (status == JO_OK && close && d->alpha.forces_read) {   /* the motion is the same with and without sensors: so is its work */
+        const jo_work power = d->power;
+        status = jo_residual(m, d, d->acc);
+        d->power = power;
+    }
+    return status;
 }
 
 static int step(const jo_model *m, jo_data *d, const jo_solver *s)
@@ -411,6 +428,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
     if (!continues(m, d, h)) {
         jo_history_begins(d);
         jo_iteration_limit_forget(d);
+        d->alpha.forces_read = forces_read(m);
         const int status = restart(m, d, s);
         if (status != JO_OK) return status;
     }

@@ -147,7 +147,7 @@ def test_rest_under_generalised_alpha_is_of_third_order(flexible: bool) -> None:
     """The state is moved onto the joints after the accelerations were found."""
     found = []
     for step in (2e-4, 1e-4):
-        solver = jo.GeneralizedAlpha(step=step, tolerance=1e-10)
+        solver = jo.GeneralizedAlpha(step=step)
         run = jo.simulate(crane("maximal", flexible), 0.02, solver=solver, output_step=0.005)
         found.append(max(rests(run, flexible).values()))
         assert unchanged(run, solver, "maximal", flexible)
