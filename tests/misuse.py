@@ -199,6 +199,17 @@ def _machines(made: Made, folder: Path) -> list[Call]:
             jo.mechanism.PlasticSpring,
             {"name": "f", "coordinate": angle, "stiffness": 1.0, "strength": 1.0},
         ),
+        (
+            jo.mechanism.Contact,
+            {
+                "name": "f",
+                "a": jo.ground["origin"],
+                "shape_a": jo.mechanism.HalfSpace(),
+                "b": b,
+                "shape_b": jo.mechanism.Sphere(0.1),
+                "law": jo.mechanism.PowerLaw(1e6),
+            },
+        ),
         (jo.Servo, {"name": "f", "coordinate": angle, "reference": one, "kp": 1.0}),
         (jo.UserForce, {"name": "f", "marker": b, "function": lambda t, x: [0.0] * 6}),
         (jo.mechanism.ModalLoad, {"name": "f", "body": arm, "pattern": np.zeros((5, 3))}),
@@ -448,6 +459,10 @@ def _analyses(made: Made, folder: Path) -> list[Call]:
 def _recovery(made: Made, folder: Path) -> list[Call]:
     run, field = made["run"], made["field"]
     return [
+        (
+            jo.mechanism.with_numbers,
+            {"mechanism": made["mechanism"], "values": {"ball.mass": 2.0}},
+        ),
         (jo.stress_field, {"run": run, "body": "arm"}),
         (field.values, {"criterion": "von-mises"}),
         (field.envelope, {"criterion": "von-mises"}),

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.arguments import explained
 from jousto.base.arrays import read_only
 from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, Problems, suggest
@@ -197,6 +198,7 @@ def _check_fields(made: Any, new: Mapping[str, Any]) -> None:
     problems.raise_if_any()
 
 
+@explained
 def with_numbers(mechanism: Mechanism, values: Mapping[str, Any]) -> Mechanism:
     """Return a mechanism with other numbers, for example ``{"link.mass": 2.0}``.
 
