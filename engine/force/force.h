@@ -11,11 +11,23 @@ typedef struct { jo_real value, rate, second; } jo_signal_work;
 typedef struct jo_slopes_of_state { jo_real force, decay, value, rate; } jo_slopes_of_state;
 static inline const jo_slopes_of_state *jo_force_slopes(const jo_data *d, int state) { return d->forces.slopes + state; }
 
+/* How a gap may close within a step: gap, m, its rate, m/s, velocity of the point whose distance it is, m/s, the largest curvature of the
+ * surfaces of constant distance, 1/m, and the face over which the point is: on the way from one face to another the distance is not smooth. */
+typedef struct jo_approach { double gap, rate, v[3], curvature; int face; } jo_approach;
+
 /* Kinds whose force depends on the motion before: their states are constant within a step and change at its end. */
 typedef struct {
     /* states at the present coordinates; returns the energy dissipated in the step, J */
-    jo_real (*update)(const jo_data *d, const jo_force *f, jo_real *x);
-    jo_real (*margin)(const jo_data *d, const jo_force *f);   /* < 0: its branch has changed within the step */
+    jo_real (*update)(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x);
+    /* < 0: its branch has changed within the step */
+    jo_real (*margin)(const jo_model *m, const jo_data *d, const jo_force *f);
+    int (*jumps)(const jo_real *before, const jo_real *after);   /* whether the force jumps with a change of its states; NULL: never */
+    /* step that resolves its motion, s, and with which an explicit method is stable; NULL: any */
+    double (*longest_step)(const jo_model *m, const jo_data *d, const jo_force *f, int explicit_method);
+    /* states from which the step of an implicit method converges, after one that did not; whether they are others; NULL: never */
+    int (*ease)(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x);
+    /* 0 if there is no gap; NULL: never one */
+    int (*approach)(const jo_model *m, const jo_data *d, const jo_force *f, jo_approach *y);
 } jo_yielding;
 
 /* functions that the file of each kind of force defines; the rows of the kinds are in jousto.h. */
@@ -51,10 +63,13 @@ const jo_yielding *jo_yielding_of(const jo_force *f);   /* NULL: it does not yie
 void jo_force_layout(const jo_model *m, jo_data *d, jo_arena *a);
 
 /* yielding.c */
-void jo_accept_yielding(const jo_model *m, jo_data *d);   /* the states at the end of a step, after jo_yielding_ready */
+int jo_accept_yielding(const jo_model *m, jo_data *d);   /* states at the end of a step, after jo_yielding_ready; whether forces jump */
 void jo_force_state(const jo_model *m, const jo_data *d, int force, int state, jo_real *y);   /* one state at present */
 jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k);   /* of force d->forces.yielding[k] */
 int jo_yielding_ready(const jo_model *m, jo_data *d);   /* coordinates of the forces that yield, at the present state */
+int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, jo_approach *y);   /* of force d->forces.yielding[k] */
+int jo_ease_yielding(const jo_model *m, jo_data *d);   /* at the start of a step that did not converge; whether any state has changed */
+double jo_yielding_longest_step(const jo_model *m, const jo_data *d, int explicit_method);   /* of all of them, s; INFINITY: any */
 jo_real jo_yielding_loss(const jo_model *m, const jo_data *d);   /* dissipated since the start of the step, J */
 void jo_force_setup(const jo_model *m, jo_data *d);
 

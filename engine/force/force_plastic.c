@@ -201,8 +201,9 @@ static void nominals(const jo_model *m, const jo_force *f, double duration, doub
 }
 
 /* states at the present coordinate; returns the energy dissipated since the start of the step */
-static jo_real update(const jo_data *d, const jo_force *f, jo_real *x)
+static jo_real update(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x)
 {
+    (void)m;
     const jo_real *x0 = states(d, f);
     const jo_spring_state s = present(d, f);
     for (int i = 0; i < STATES; i++) x[i] = s.x[i];
@@ -211,12 +212,13 @@ static jo_real update(const jo_data *d, const jo_force *f, jo_real *x)
 }
 
 /* negative: yielding has begun in the step, or a flow has reversed */
-static jo_real margin(const jo_data *d, const jo_force *f)
+static jo_real margin(const jo_model *m, const jo_data *d, const jo_force *f)
 {
+    (void)m;
     const jo_real going = states(d, f)[FLOW];
     if (JO_RE(going) != 0.0) return going * d->coordinate[f->coordinate].rate;
     return JO_YIELD_MARGIN * numbers(f)->strength - present(d, f).excess;
 }
 
-static const jo_yielding yielding = {update, margin};
+static const jo_yielding yielding = {update, margin, 0, 0, 0, 0};
 const jo_force_kind jo_force_plastic = {apply, stored, tangent, start, nominals, &yielding};

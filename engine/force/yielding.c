@@ -13,6 +13,7 @@ int jo_yielding_ready(const jo_model *m, jo_data *d)
     jo_marker_velocity(m, d, m->nactive);
     for (int k = 0; k < m->nyielding; k++) {
         const int c = m->force[d->forces.yielding[k]].coordinate;
+        if (c < 0) continue;
         jo_coordinate_value(m, d, c);
         jo_coordinate_rate(m, d, c);
     }
@@ -22,25 +23,58 @@ int jo_yielding_ready(const jo_model *m, jo_data *d)
 jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k)
 {
     const jo_force *f = &m->force[d->forces.yielding[k]];
-    return jo_released(d, f->release) ? jo_same(1.0) : jo_yielding_of(f)->margin(d, f);
+    return jo_released(d, f->release) ? jo_same(1.0) : jo_yielding_of(f)->margin(m, d, f);
+}
+
+int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, jo_approach *y)
+{
+    const jo_force *f = &m->force[d->forces.yielding[k]];
+    const jo_yielding *kind = jo_yielding_of(f);
+    return kind->approach && !jo_released(d, f->release) ? kind->approach(m, d, f, y) : 0;
+}
+
+int jo_ease_yielding(const jo_model *m, jo_data *d)
+{
+    int changed = 0;
+    for (int k = 0; k < m->nyielding; k++) {
+        const jo_force *f = &m->force[d->forces.yielding[k]];
+        const jo_yielding *kind = jo_yielding_of(f);
+        if (kind->ease && !jo_released(d, f->release)) changed |= kind->ease(m, d, f, jo_states(m, d) + f->state);
+    }
+    return changed;
+}
+
+double jo_yielding_longest_step(const jo_model *m, const jo_data *d, int explicit_method)
+{
+    double longest = INFINITY;
+    for (int k = 0; k < m->nyielding; k++) {
+        const jo_force *f = &m->force[d->forces.yielding[k]];
+        const jo_yielding *kind = jo_yielding_of(f);
+        if (kind->longest_step && !jo_released(d, f->release)) longest = fmin(longest, kind->longest_step(m, d, f, explicit_method));
+    }
+    return longest;
 }
 
 /* states of the k-th force that yields, at the present coordinates; returns the energy dissipated in the step */
 static jo_real update_of(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x)
 {
     for (int i = 0; i < f->states; i++) x[i] = jo_states(m, d)[f->state + i];
-    return jo_released(d, f->release) ? jo_same(0.0) : jo_yielding_of(f)->update(d, f, x);
+    return jo_released(d, f->release) ? jo_same(0.0) : jo_yielding_of(f)->update(m, d, f, x);
 }
 
 /* The states of the end of a step, and its dissipated energy. */
-void jo_accept_yielding(const jo_model *m, jo_data *d)
+int jo_accept_yielding(const jo_model *m, jo_data *d)
 {
     jo_real x[JO_MAX_YIELDING_STATES];
+    int jumped = 0;
     for (int k = 0; k < m->nyielding; k++) {
         const jo_force *f = &m->force[d->forces.yielding[k]];
+        const jo_yielding *kind = jo_yielding_of(f);
         d->work.damping += update_of(m, d, f, x);
+        jumped |= kind->jumps && kind->jumps(jo_states(m, d) + f->state, x);
         for (int i = 0; i < f->states; i++) jo_states(m, d)[f->state + i] = x[i];
     }
+    return jumped;
 }
 
 void jo_yield(const jo_model *m, jo_data *d)

@@ -20,6 +20,9 @@ enum { JO_LOG_STEPS = 4 };      /* number of steps for which the log has room */
 #define JO_TIME_ROUNDING (8.0 * DBL_EPSILON)   /* the same relative to the time, for times whose round-off is larger */
 /* distance from the threshold, relative to the change in the step, below which a value starts at the threshold */
 #define JO_TOUCH 1e-9
+/* part of the planned step below which a step is not shortened any more to find a gap that closes for a moment */
+#define JO_TOUCH_RESOLUTION 1e-9
+#define JO_SHORTEST_PART 1e-4   /* part of the step below which a step without convergence is not shortened any more */
 #define JO_JUMP 1e-6        /* jump of a value at an event, relative to its change in the step, below which the jump is round-off */
 #define JO_VALUE_ROUNDING (2.0 * DBL_EPSILON)   /* distance from the threshold, relative to the threshold, that is round-off */
 
@@ -131,7 +134,10 @@ static int accept_yielding(const jo_model *m, jo_data *d, double *g)
 {
     int status = jo_yielding_ready(m, d);
     if (status != JO_OK) return status;
-    jo_accept_yielding(m, d);
+    if (jo_accept_yielding(m, d)) {
+        jo_state_changed(d);
+        jo_forces_jumped(d);
+    }
     /* generalised alpha continues from these states */
     for (int i = 0; i < m->nstate; i++) d->alpha.end_v[m->nv + i] = jo_states(m, d)[i];
     return yielding_margins(m, d, g + first_yielding(m));
@@ -215,6 +221,57 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
     }
     *length = b;
     return at == b ? JO_OK : try_step(m, d, s, b, d->events.above);
+}
+
+/* -- gaps that may close for a moment within a step ------------------------------------------------ */
+
+/* gaps at the start of a step, or at its end; a force without a gap gets INFINITY */
+static void measure_gaps(const jo_model *m, jo_data *d, int at_end)
+{
+    for (int k = 0; k < m->nyielding; k++) {
+        jo_approach *y = d->events.near + 2 * k + at_end;
+        if (!jo_yielding_approach(m, d, k, y)) y->gap = INFINITY;
+    }
+}
+
+static double speed_of(const jo_approach *x) { return sqrt(x->v[0] * x->v[0] + x->v[1] * x->v[1] + x->v[2] * x->v[2]); }
+
+/* Largest distance by which a gap can shrink on the way from a to b in a step of length h. Its rate is n . v: at most the speed of the point,
+ * and at most the rates at the ends plus what acceleration and curvature change; speeds between the ends exceed those at the ends by at
+ * most half of their difference. */
+static double largest_closing(const jo_approach *a, const jo_approach *b, double h)
+{
+    double change = 0.0;
+    for (int i = 0; i < 3; i++) change += (b->v[i] - a->v[i]) * (b->v[i] - a->v[i]);
+    change = sqrt(change);
+    const double speed = fmax(speed_of(a), speed_of(b)) + 0.5 * change;
+    const double curved = a->face == b->face ? fmax(a->curvature, b->curvature) : INFINITY, bent = curved > 0.0 ? speed * speed * curved * h : 0.0;
+    return h * fmin(speed, fmax(0.0, fmax(-a->rate, -b->rate)) + 0.5 * change + bent);
+}
+
+/* whether no gap can have closed between the ends of the step: it would have to shrink to 0 and to open again */
+static int nothing_missed(const jo_model *m, const jo_data *d, double h)
+{
+    for (int k = 0; k < m->nyielding; k++) {
+        const jo_approach *a = d->events.near + 2 * k, *b = a + 1;
+        if (a->gap < INFINITY && b->gap < INFINITY && !(a->gap + b->gap > largest_closing(a, b, h))) return 0;
+    }
+    return 1;
+}
+
+/* shorten a step of *length without crossings until no gap can have closed within it, or until one is found closed */
+static int prove(const jo_model *m, jo_data *d, const jo_solver *s, double *length)
+{
+    for (measure_gaps(m, d, 1); !nothing_missed(m, d, *length); measure_gaps(m, d, 1)) {
+        if (*length < JO_TOUCH_RESOLUTION * s->step) {
+            d->events.unproven++;
+            return JO_OK;
+        }
+        *length *= 0.5;
+        const int status = try_step(m, d, s, *length, d->events.above);
+        if (status != JO_OK || any_crosses(m, d, d->events.above)) return status;
+    }
+    return JO_OK;
 }
 
 /* -- effects of events ------------------------------------------------------------------------ */
@@ -332,34 +389,74 @@ static void set_first_sides(const jo_model *m, jo_data *d, const double *g)
         if (fabs(d->events.level[i]) <= JO_TOUCH * fabs(g[i] - d->events.level[i])) d->events.side[i] = sign(g[i]);
 }
 
+/* longest step from the present state that resolves the forces that yield, s */
+double jo_resolved(const jo_model *m, jo_data *d, int explicit_method)
+{
+    return jo_yielding_ready(m, d) == JO_OK ? jo_yielding_longest_step(m, d, explicit_method) : INFINITY;
+}
+
+/* One part of a step, of *length at most, up to the first event in it; *found: whether it ends at an event. */
+static int part_step(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found)
+{
+    jo_solver part = *s;
+    part.step = *length;
+    save_state(d);
+    if (m->nyielding) measure_gaps(m, d, 0);
+    int status = jo_one_step(m, d, &part);
+    if (status == JO_OK) status = watched_values(m, d, d->events.above);
+    if (status != JO_OK) return status;
+    if (first) set_first_sides(m, d, d->events.above);
+    if (m->nyielding && !any_crosses(m, d, d->events.above)) status = prove(m, d, s, length);
+    if (status != JO_OK) return status;
+    *found = any_crosses(m, d, d->events.above);
+    if (!*found) {
+        if (m->nyielding) status = accept_yielding(m, d, d->events.above);
+        if (status == JO_OK) accept_values(m, d, d->events.above);
+        return status;
+    }
+    for (int i = 0; i < jo_watched(m); i++) d->events.scale[i] = fabs(d->events.above[i] - d->events.level[i]);
+    return locate(m, d, s, length);
+}
+
+/* After a part that did not converge: back to its start with eased forces or, if there are none, with half of its length: forces have kinks
+ * where a contact begins and where a slip ends, over which Newton's iteration may oscillate. 0 if the part is too short already. */
+static int try_again(const jo_model *m, jo_data *d, const jo_solver *s, double *longest, double length)
+{
+    if (!m->nyielding || !(length > JO_SHORTEST_PART * s->step)) return 0;
+    restore_state(d);
+    if (jo_ease_yielding(m, d)) {
+        jo_state_changed(d);
+        jo_forces_jumped(d);
+    } else {
+        *longest = 0.5 * length;
+    }
+    return 1;
+}
+
 /* step of length s->step in parts that end at events */
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double end = s->step;
-    double done = 0.0;
-    int chain = 0, first = !jo_levels_valid(d);
+    double done = 0.0, longest = end;
+    int chain = 0, first = !jo_levels_valid(d), found;
     d->events.yields = 0;
     int status = m->nlock ? jo_friction_initialise_states(m, d) : JO_OK;
     if (first && status == JO_OK) status = start(m, d);
     while (status == JO_OK && end - done > time_resolution(d)) {
-        jo_solver part = *s;
-        part.step = end - done;
-        save_state(d);
-        status = jo_one_step(m, d, &part);
-        if (status == JO_OK) status = watched_values(m, d, d->events.above);
-        if (status != JO_OK) break;
-        if (first) set_first_sides(m, d, d->events.above);
-        first = 0;
-        if (!any_crosses(m, d, d->events.above)) {
-            if (m->nyielding) status = accept_yielding(m, d, d->events.above);
-            if (status == JO_OK) accept_values(m, d, d->events.above);
-            break;
+        double length = fmin(end - done, longest);
+        if (m->nyielding) length = fmin(length, jo_resolved(m, d, s->method != JO_METHOD_alpha));
+        const double wanted = length;
+        status = part_step(m, d, s, first, &length, &found);
+        if (status == JO_NO_CONVERGENCE && try_again(m, d, s, &longest, wanted)) {
+            status = JO_OK;
+            continue;
         }
-        for (int i = 0; i < jo_watched(m); i++) d->events.scale[i] = fabs(d->events.above[i] - d->events.level[i]);
-        status = locate(m, d, s, &part.step);
         if (status != JO_OK) break;
-        done += part.step;
+        first = 0;
+        longest = end;
+        done += length;
         int stop;
+        if (!found) continue;
         status = all_happen(m, d, &stop, &chain);
         if (status == JO_OK && stop >= 0) {
             d->error_index = stop;
@@ -373,8 +470,10 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
 
 int jo_event_keep(const jo_model *m, jo_data *d)
 {
-    const int status = jo_levels_valid(d) ? JO_OK : start(m, d);
+    int status = jo_levels_valid(d) ? JO_OK : start(m, d);
     save_state(d);
+    if (status == JO_OK && m->nyielding) status = jo_yielding_ready(m, d);
+    if (status == JO_OK && m->nyielding) measure_gaps(m, d, 0);
     return status;
 }
 
@@ -385,6 +484,12 @@ int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, 
     int status = watched_values(m, d, d->events.above);
     if (status != JO_OK) return status;
     if (first) set_first_sides(m, d, d->events.above);
+    if (m->nyielding && !any_crosses(m, d, d->events.above)) {
+        const long long steps = d->counts.steps;
+        status = prove(m, d, s, length);
+        d->counts.steps = steps;
+        if (status != JO_OK) return status;
+    }
     *found = any_crosses(m, d, d->events.above);
     if (!*found) {
         d->events.yields = 0;

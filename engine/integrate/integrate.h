@@ -45,14 +45,14 @@ static inline void jo_keep_rates(const jo_data *d, int j, const jo_real *rate)
 /* result_row.c */
 int jo_write_row(const jo_model *m, jo_data *d, jo_real *row);
 
-/* step_generalized_alpha.c */
-int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);   /* one step of length s->step */
-
 /* iteration_limit.c */
 void jo_iteration_limit_forget(jo_data *d);
 double jo_iteration_ahead(const jo_model *m, const jo_data *d, const jo_solver *s);
 double jo_iteration_limit(const jo_model *m, jo_data *d, const jo_solver *s);
 void jo_iteration_limit_update(const jo_model *m, jo_data *d, const jo_solver *s);
+
+/* step_generalized_alpha.c */
+int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);   /* one step of length s->step */
 
 /* step_dormand_prince.c */
 int jo_step_pair(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
@@ -78,6 +78,8 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* one ste
 
 /* events.c */
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with location of events */
+/* longest step from here that resolves the forces that yield, s; INFINITY: any */
+double jo_resolved(const jo_model *m, jo_data *d, int explicit_method);
 void jo_event_setup(const jo_model *m, jo_data *d);
 int jo_watched(const jo_model *m);
 int jo_event_keep(const jo_model *m, jo_data *d);   /* saves the state for repetition of a step */

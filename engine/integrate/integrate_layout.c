@@ -1,5 +1,6 @@
 /* integrate_layout.c - memory of the methods of integration and of events. */
 #include "integrate/integrate.h"
+#include "force/force.h"
 
 /* the history of generalised alpha is part of the state */
 void jo_integrate_layout_state(const jo_model *m, jo_data *d, jo_arena *a)
@@ -38,6 +39,7 @@ static void lay_events(const jo_model *m, jo_data *d, jo_arena *a)
     w->start.state = jo_take(a, watched ? d->state_bytes : 0);
     for (int i = 0; i < 5; i++) *values[i] = jo_take_doubles(a, watched);
     w->side = jo_take_ints(a, watched);
+    w->near = jo_take_many(a, 2 * m->nyielding, sizeof *w->near);
     w->log = jo_take_doubles(a, 3 * jo_log_room(m));
     w->measured = jo_take_reals(a, m->nevent ? m->nout : 0);
     w->list = jo_take_many(a, m->nevent ? m->nsensor : 0, sizeof *w->list);

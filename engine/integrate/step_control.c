@@ -308,6 +308,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     if (status == JO_OK && jo_watched(m)) status = jo_event_keep(m, d);
     if (status != JO_OK) return status;
     jo_sync_maximal_state(m, d, JO_SYNC_STATE);
+    if (m->nyielding) c->next = fmin(c->next, jo_resolved(m, d, 1));
     planned_step x = plan_step(m, d, s, end);
     status = jo_step_pair(m, d, s, x.h, x.seen);
     if (status != JO_OK) {

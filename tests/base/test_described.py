@@ -29,7 +29,7 @@ CLASSES = sorted(
 )
 # numbers, words and tuples of them
 PLAIN = re.compile(
-    r"(?:float|int|str|bool|None|\{[^}]*\}|Literal\[[^\]]*\]|tuple\[(?:float|int|str|bool)"
+    r"(?:float|int|str|bool|None|\"\w+\"|or|\{[^}]*\}|Literal\[[^\]]*\]|tuple\[(?:float|int|str|bool)"
     r"(?:, (?:float|int|str|bool|\.\.\.))*\]|\s|\|)+"
 )
 # values that keep the form of their constructor although they hold others or short vectors

@@ -139,9 +139,9 @@ def test_a_state_of_the_other_core_starts_a_run(tmp_path: Path) -> None:
     np.testing.assert_allclose(back.q[-1], whole.q[-1], rtol=0, atol=1e-8)
 
 
-def test_trees_step_alone_beside_others() -> None:
-    assert structure(jo.compile(swing(), core="joint")) == ""
-    assert structure(jo.compile(swing(), core="maximal"))
+def test_machines_step_side_by_side_in_each_core_of_their_own() -> None:
+    joint, maximal = (structure(jo.compile(swing(), core=core)) for core in CORES)
+    assert joint and maximal and joint != maximal
 
 
 @pytest.mark.parametrize("core", CORES)

@@ -95,6 +95,11 @@ def everything() -> jo.Mechanism:
         jo.mechanism.Stop("limit", slide.displacement, upper=0.4, stiffness=1e4),
         yields,
         jo.mechanism.GearSpring("shaft", slide.displacement, motor.angle, 30.0, 50.0, damping=1.0),
+        jo.mechanism.Contact(
+            *("touch", jo.ground["origin"], jo.mechanism.HalfSpace()),
+            *(slider["tip"], jo.mechanism.Sphere(0.05), jo.mechanism.PowerLaw(1e6)),
+            mu_kinetic=0.3,
+        ),
         jo.Servo("servo", slide.displacement, jo.Constant(0.1), kp=10.0),
         jo.mechanism.PID("hold", slide.displacement, 0.1, kp=10.0, ki=1.0),
         jo.mechanism.SpeedPID("spin", axle.angle, 1.0, kp=1.0),

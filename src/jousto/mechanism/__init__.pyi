@@ -3,8 +3,25 @@ from ..base.rotation_rates import rate_matrix as rate_matrix, velocity_matrix as
 from .beams.body import BeamDamping as BeamDamping
 from .beams.stiffness import BeamSection as BeamSection
 from .bodies.marker import Marker as Marker
+from .contacts.laws import (
+    Hertz as Hertz,
+    Impact as Impact,
+    PowerLaw as PowerLaw,
+    SpringDamper as SpringDamper,
+)
+from .contacts.shapes import (
+    Bore as Bore,
+    Capsule as Capsule,
+    Cuboid as Cuboid,
+    Cylinder as Cylinder,
+    HalfSpace as HalfSpace,
+    HollowSphere as HollowSphere,
+    Sphere as Sphere,
+    Torus as Torus,
+)
 from .elastic_joint import ElasticJoint as ElasticJoint
 from .event import Event as Event
+from .forces.contact import Contact as Contact
 from .forces.friction import Regularised as Regularised, StickSlip as StickSlip
 from .forces.gear_spring import GearSpring as GearSpring, HarmonicDrive as HarmonicDrive
 from .forces.line_load import LineLoad as LineLoad

@@ -1,0 +1,1 @@
+"""Bodies that touch: shapes, laws of contact, and contacts between two markers."""

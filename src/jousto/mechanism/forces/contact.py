@@ -1,0 +1,207 @@
+"""Contact between two shapes that are fixed to markers."""
+
+from __future__ import annotations
+
+from math import gamma, hypot, pi, sqrt
+from typing import Any
+
+from jousto.base.errors import Problems
+from jousto.base.fields import field
+from jousto.base.numbers import DefaultNumber, Number
+from jousto.mechanism.bodies.marker import Marker, MarkerField
+from jousto.mechanism.contacts.effective_mass import mobility
+from jousto.mechanism.contacts.laws import ContactLawField, Hertz
+from jousto.mechanism.contacts.shapes import Shape, ShapeField, Tip, touching
+from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.forces.law import EngineLaw
+
+STATES = {
+    "phase": "1",
+    "approach": "m/s",
+    "since": "s",
+    "stretch x": "m",
+    "stretch y": "m",
+    "stretch z": "m",
+}
+"""0 apart, 1 sticks, 2 slips; speed of approach at the touch, its time; stretch of the bristle."""
+
+SHEAR = 0.8235294117647058
+"""2 (1 - nu) / (2 - nu) for nu = 0.3: shear stiffness of a contact over its normal stiffness."""
+
+EngineLaw(
+    "contact",
+    units={"mu_static": "1", "mu_kinetic": "1"},
+    constants=(
+        *("shape", "size", "centre", "radius", "ring", "stiffness", "exponent", "damping"),
+        *("slowest", "viscous", "full", "shear", "mass", "duration"),
+    ),
+    states=STATES,
+    between=True,
+    fast={"contacts": ()},
+    yields=True,
+).declared()
+
+
+class Contact(ForceElement, tag="contact"):
+    """Two shapes touch: a normal force with restitution, and friction that sticks without creep.
+
+    Shapes are fixed to markers of any bodies. A sphere (or a point) touches every shape; the tips
+    of a capsule or cuboid and the rim of a torus touch a half-space, tips also hollow shapes. The
+    depth d of the overlap gives the normal force by the law. Both bodies receive it at one common
+    point, in the middle of the overlap, so that momentum is kept exactly.
+
+    Friction acts through a bristle, a spring of stiffness ``shear dN/dd`` in the contact plane that
+    breaks at ``mu_static N``; then the friction is ``mu_kinetic N`` against the slip, in the
+    direction of the velocity (a circle, not a pyramid), until the slip turns. A body at rest
+    therefore stays where it is. Steps end where a touch, a slip, a stop and a parting begin.
+
+    A step in which a gap could have closed and opened again is shortened until it is certain that
+    it has not, so that no body flies through another one. A touch is resolved by 20 steps, and
+    explicit methods shorten their steps to what the contact needs while it lasts. Elastic energy of
+    the contact and of the bristle counts as stored, the rest as dissipated.
+
+    Examples
+    --------
+    >>> from jousto import RigidBody, ground
+    >>> from jousto.mechanism import Contact, HalfSpace, PowerLaw, Sphere
+    >>> ball = RigidBody.sphere("ball", radius=0.1, mass=1.0, position=(0, 0, 1.1))
+    >>> law = PowerLaw(1e7, restitution=0.7)
+    >>> Contact("bounce", ground["origin"], HalfSpace(), ball["origin"], Sphere(0.1), law)
+    <contact 'bounce': ground.origin, ball.origin>
+    """
+
+    kind = "contact"
+    together = ("shape_a", "shape_b", "law", "mu_kinetic", "mu_static")
+    a: MarkerField = field("Marker of the first shape")
+    shape_a: ShapeField = field("Shape in the frame of a")
+    b: MarkerField = field("Marker of the second shape")
+    shape_b: ShapeField = field("Shape in the frame of b")
+    law: ContactLawField = field("Law of the normal force")
+    mu_kinetic: Number = field(
+        "Coefficient of friction while it slips; 0 for no friction",
+        unit="1",
+        least=0,
+        default=0.0,
+        kw_only=True,
+    )
+    mu_static: DefaultNumber = field(
+        "Coefficient of friction up to which it sticks; None: mu_kinetic",
+        unit="1",
+        least=0,
+        default=None,
+        kw_only=True,
+    )
+    shear: Number = field(
+        "Stiffness of the bristle over that of the normal force, 2 (1 - nu) / (2 - nu)",
+        unit="1",
+        above=0,
+        default=SHEAR,
+        kw_only=True,
+    )
+
+    def __post_init__(self) -> None:
+        given: Any = self.mu_static
+        if given is None:
+            object.__setattr__(self, "mu_static", self.mu_kinetic)
+        super().__post_init__()
+
+    def __repr__(self) -> str:
+        return f"<contact {self.name!r}: {self.a.label}, {self.b.label}>"
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Report pairs that are not available, and laws that do not fit them."""
+        if self._tips is None:
+            problems.add(
+                where,
+                f"{self.shape_a.tag} and {self.shape_b.tag} cannot touch in this version: a sphere "
+                "touches every shape, capsule and cuboid touch half-spaces, hollow spheres and "
+                "bores, a torus half-spaces",
+                "shape_b",
+            )
+        curvature = self._curvature
+        if isinstance(self.law, Hertz) and (curvature is None or curvature <= 0.0):
+            problems.add(
+                where,
+                f"Hertz's law needs spheres, hollow spheres or half-spaces with a gap beside their "
+                f"contact, not {self.shape_a.tag} and {self.shape_b.tag}; give a PowerLaw",
+                "law",
+            )
+        if self.mu_static < self.mu_kinetic:
+            problems.add(
+                where, f"mu_static {self.mu_static:g} is below mu_kinetic {self.mu_kinetic:g}"
+            )
+
+    @property
+    def _swapped(self) -> bool:
+        """Whether the tips belong to a."""
+        return touching(self.shape_a, self.shape_b) is None
+
+    @property
+    def _sides(self) -> tuple[Marker, Shape, Marker, Shape]:
+        """Marker and shape that is touched, marker and shape of the tips."""
+        first, second = (self.a, self.shape_a), (self.b, self.shape_b)
+        return (*second, *first) if self._swapped else (*first, *second)
+
+    @property
+    def _tips(self) -> Any:
+        _, on, _, of = self._sides
+        return touching(on, of)
+
+    @property
+    def _curvature(self) -> float | None:
+        both = (self.shape_a.curvature, self.shape_b.curvature)
+        return None if None in both else sum(both)  # type: ignore[arg-type]
+
+    @property
+    def unmeasured(self) -> str:  # type: ignore[override]
+        """Why a `ForceSensor` cannot measure it: several tips have several forces."""
+        count = len(self._tips)
+        if count == 1:
+            return ""
+        return (
+            f"has {count} tips; take a BodyLoadSensor of the applied forces, or a contact of a "
+            "Sphere at each tip"
+        )
+
+    @property
+    def symbol(self) -> str:
+        """Symbol of a spring between two frames."""
+        return "bushing"
+
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """One law of the engine for each tip."""
+        return tuple(self._push(tip) for tip in self._tips)
+
+    def _push(self, tip: Tip) -> Push:
+        a, on, b, _ = self._sides
+        law = {"damping": 0.0, "slowest": 1.0, "viscous": 0.0, "full": 0.0}
+        law |= self.law.numbers(self._curvature)
+        reach = hypot(*tip.centre) + tip.radius + tip.ring
+        mass = 1.0 / (mobility(a, _reach(on)) + mobility(b, reach))
+        data: dict[str, Any] = {
+            "shape": on.code,
+            "size": ((*on.size, 0.0, 0.0, 0.0))[:3],
+            "centre": tip.centre,
+            "radius": tip.radius,
+            "ring": tip.ring,
+            **law,
+            "mu_static": self.mu_static,
+            "mu_kinetic": self.mu_kinetic,
+            "shear": self.shear if self.mu_static else 0.0,
+            "mass": mass,
+            "duration": duration(mass, law["stiffness"], law["exponent"]),
+        }
+        return Push("contact", data, a=a, b=b, states=tuple(STATES))
+
+
+def _reach(shape: Shape) -> float:
+    """Return the distance from the marker to the farthest place that can be touched, m."""
+    return hypot(*shape.size)
+
+
+def duration(mass: float, stiffness: float, exponent: float) -> float:
+    """Return the duration of a touch at 1 m/s without loss, s; at v ``v^((1-n)/(1+n))`` of it."""
+    n = exponent
+    span = sqrt(pi) * gamma(1.0 + 1.0 / (n + 1.0)) / gamma(0.5 + 1.0 / (n + 1.0))
+    return float(2.0 * span * ((n + 1.0) * mass / (2.0 * stiffness)) ** (1.0 / (n + 1.0)))
