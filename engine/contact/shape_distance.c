@@ -7,7 +7,7 @@
 
 static jo_real size_of(jo_real x) { return JO_RE(x) < 0.0 ? -x : x; }
 
-/* hessian += factor u v^T */
+/* hessian += factor u u^T */
 static void add_product(jo_distance *y, jo_real factor, const jo_real *u)
 {
     for (int i = 0; i < 3; i++)

@@ -10,8 +10,8 @@
  * The direction of a slip is not smooth where it stops. A step of an implicit method that therefore does not converge is repeated with a
  * bristle that slips at mu_k N within the step (eased), as in plasticity.
  *
- * States: phase (0 apart, 1 sticks, 2 slips, 3 eased), approach speed v_in at the touch, time of the touch, s. Steps end where a phase ends (margin
- * below); within a step the phase is constant. */
+ * States: phase (0 apart, 1 sticks, 2 slips, 3 eased), approach speed v_in at the touch, time of the touch, s. Steps end where a phase ends
+ * (margin below); within a step the phase is constant. */
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/force.h"
@@ -397,8 +397,8 @@ static jo_real speed_of_depth(const jo_contact_data *x, const contact *y)
     return jo_sqrt(square);
 }
 
-/* The contact begins with the present speed of approach, or that of `state`. Its bristle follows the slip unless this would stretch it beyond its limit from the
- * first instant on. */
+/* The contact begins with the present speed of approach, or with that of `state` if it is larger. Its bristle follows the slip unless this
+ * would stretch it beyond its limit from the first instant on. */
 static void touch(const jo_contact_data *x, const jo_data *d, contact *y, jo_real *state)
 {
     if (JO_RE(y->rate) > JO_RE(state[APPROACH])) state[APPROACH] = y->rate;

@@ -390,6 +390,9 @@ def test_pairs_that_are_not_available():
         Contact(
             "c", jo.ground["origin"], Cylinder(0.1, 0.2), body["origin"], HalfSpace(), PowerLaw(1e7)
         )
+    with pytest.raises(jo.InputError, match="both on 'ground'; take two bodies"):
+        ground = jo.ground["origin"]
+        Contact("c", ground, HalfSpace(), ground, Sphere(0.1), PowerLaw(1e7))
     with pytest.raises(jo.InputError, match="Hertz's law needs spheres"):
         Contact(
             "c", jo.ground["origin"], HalfSpace(), body["origin"], Cuboid((1, 1, 1)), Hertz(1e11)

@@ -71,7 +71,7 @@ class Contact(ForceElement, tag="contact"):
     """
 
     kind = "contact"
-    together = ("shape_a", "shape_b", "law", "mu_kinetic", "mu_static")
+    together = ("a", "b", "shape_a", "shape_b", "law", "mu_kinetic", "mu_static")
     a: MarkerField = field("Marker of the first shape")
     shape_a: ShapeField = field("Shape in the frame of a")
     b: MarkerField = field("Marker of the second shape")
@@ -110,6 +110,8 @@ class Contact(ForceElement, tag="contact"):
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report pairs that are not available, and laws that do not fit them."""
+        if self.a.body is self.b.body:
+            problems.add(where, f"a and b are both on {self.a.body.name!r}; take two bodies", "b")
         if self._tips is None:
             problems.add(
                 where,
@@ -122,8 +124,8 @@ class Contact(ForceElement, tag="contact"):
         if isinstance(self.law, Hertz) and (curvature is None or curvature <= 0.0):
             problems.add(
                 where,
-                f"Hertz's law needs spheres, hollow spheres or half-spaces with a gap beside their "
-                f"contact, not {self.shape_a.tag} and {self.shape_b.tag}; give a PowerLaw",
+                "Hertz's law needs spheres, or a sphere on a half-space or in a larger hollow "
+                f"sphere, not {self.shape_a.tag} and {self.shape_b.tag}; give a PowerLaw",
                 "law",
             )
         if self.mu_static < self.mu_kinetic:
