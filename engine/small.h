@@ -136,6 +136,7 @@ static inline jo_real jo_maximum(jo_real x, jo_real y) { return jo_choose(JO_LES
 static inline double jo_larger(double a, double b) { return a > b ? a : b; }
 
 #ifndef JO_VECTOR
+static inline jo_real jo_size(jo_real x) { return JO_RE(x) < 0.0 ? -x : x; }   /* |x|, with its derivative */
 static inline double jo_length(const jo_real *x, int n)
 {
     double sum = 0.0;

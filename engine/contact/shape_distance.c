@@ -5,8 +5,6 @@
  */
 #include "contact/contact.h"
 
-static jo_real size_of(jo_real x) { return JO_RE(x) < 0.0 ? -x : x; }
-
 /* hessian += factor u u^T */
 static void add_product(jo_distance *y, jo_real factor, const jo_real *u)
 {
@@ -105,7 +103,7 @@ static void box(jo_distance *y, const jo_real *x, const jo_real *half)
     jo_real e[3], square = jo_same(0.0);
     int outside = 0, nearest = 0;
     for (int i = 0; i < 3; i++) {
-        e[i] = size_of(x[i]) - half[i];
+        e[i] = jo_size(x[i]) - half[i];
         if (JO_RE(e[i]) > JO_RE(e[nearest])) nearest = i;
         if (!(JO_RE(e[i]) > 0.0)) continue;
         outside++;

@@ -23,8 +23,6 @@ static inline jo_real jo_length2(jo_real x, jo_real y)
     return JO_RE(square) > 0.0 ? jo_sqrt(square) : 0.0;
 }
 
-static inline jo_real jo_size(jo_real x) { return JO_RE(x) < 0.0 ? -x : x; }
-
 /* normal force N = preload + |F_xy| + |M_xy| / bearing (+ |M_z| / collar) from the reaction y in the axes of side 0, and torque of a thrust
  * collar, collar |F_z|, N m */
 static inline jo_real jo_friction_normal_force(const jo_model *m, const jo_friction *f, const jo_real *y, jo_real *collar)
