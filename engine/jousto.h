@@ -40,6 +40,7 @@ typedef double jo_real;
  * contact: a sphere on b, centre in frame b, touches a shape of a, see force_contact.c and jo_shape_type; six states from jo_force.state on
  * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
  *   coefficients of (s - s_k)^0..3 of the position and of each mode shape; at s = reference(t), times signal; 0 beyond the ends */
+#define JO_CONTACT_LAW stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, mass, duration
 #define JO_FORCES(ROW) \
     ROW(load, force[3], torque[3]) \
     ROW(along, stiffness, damping, free, preload, limit) \
@@ -48,7 +49,7 @@ typedef double jo_real;
     ROW(modal_load, force[3], torque[3]) \
     ROW(user, none) \
     ROW(moving_load, count, modes, force[3]) \
-    ROW(contact, shape, size[3], centre[3], radius, ring, stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, mass, duration) \
+    ROW(contact, JO_CONTACT_LAW, shape, size[3], centre[3], radius, ring) \
     ROW(pid, proportional, integral, derivative, weight, filter, filter_share, tracking, tracking_share, lower, upper, start, speed) \
     ROW(plastic, stiffness, free, strength, kinematic, recovery, isotropic, saturation, rate) \
     ROW(gear_spring, stiffness, damping, ratio, free) \
@@ -82,7 +83,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 20 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 21 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */

@@ -38,6 +38,8 @@ def declarations(header: Path) -> str:
 def _rows(head: str, table: str) -> list[tuple[str, str]]:
     """Return the rows of a table of the header: each name and the text after it."""
     text = head.split(f"#define {table}(ROW)")[1].split("/* the last row */")[0]
+    for name, numbers in re.findall(r"#define (JO_\w+_LAW) (.*)", head):
+        text = text.replace(name, numbers)
     return re.findall(r"ROW\((\w+), ([^()]*(?:\([^()]*\)[^()]*)*)\)", text.replace("\\\n", ""))
 
 

@@ -1,0 +1,145 @@
+/* contact_phase.c - states of a point of contact: within a step its bristle follows the slip, at the end of a step its phase may change. */
+#include "force/contact_point.h"
+
+#define JO_CONTACT_PARTS 20.0   /* steps in which a short contact is resolved */
+#define JO_CONTACT_LASTS 4.0    /* age of a contact over its duration without loss, from which on it is not short: also with large mass and loss */
+#define JO_CONTACT_STABLE 0.5   /* step of an explicit method times the rate of a contact */
+
+/* whether the bristle is beyond its limit, and is stretched further */
+static int breaks(const jo_contact_law *x, const jo_contact_point *y)
+{
+    return JO_RE(y->size) > JO_RE(x->mu_static * y->N) && JO_RE(jo_dot3(y->force, y->slip)) < 0.0;
+}
+
+/* stretch at which the bristle has the force mu_k N in the direction of a slip e */
+static void full_stretch(const jo_contact_law *x, const jo_contact_point *y, const jo_real *e, jo_real *s)
+{
+    const jo_real length = jo_length3(e);
+    const jo_real share = JO_RE(length) > 0.0 && JO_RE(y->shear) > 0.0 ? x->mu_kinetic * y->N / (y->shear * length) : 0.0;
+    for (int i = 0; i < 3; i++) s[i] = share * e[i];
+}
+
+/* The contact begins with the present speed of approach, or with that of `state` if it is larger. Its bristle follows the slip unless this
+ * would stretch it beyond its limit from the first instant on. */
+static void touch(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state)
+{
+    if (JO_RE(y->rate) > JO_RE(state[JO_CONTACT_SPEED])) state[JO_CONTACT_SPEED] = y->rate;
+    state[JO_CONTACT_SINCE] = time;
+    jo_contact_press(x, state, y);
+    const int slips = JO_RE(x->shear * x->exponent * jo_length3(y->slip)) > JO_RE(x->mu_static * y->rate);
+    const jo_real none[3] = {0.0, 0.0, 0.0};
+    state[JO_CONTACT_PHASE] = jo_same(slips ? JO_CONTACT_SLIPS : JO_CONTACT_STICKS);
+    full_stretch(x, y, slips ? y->slip : none, state + JO_CONTACT_STRETCH);
+}
+
+void jo_contact_start(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state)
+{
+    for (int i = 0; i < JO_CONTACT_STATES; i++) state[i] = jo_same(0.0);
+    state[JO_CONTACT_SPEED] = x->slowest;
+    if (!(JO_RE(y->depth) > 0.0)) return;
+    const jo_real speed = jo_contact_speed_of_depth(x, y->depth);   /* as if it had come to this depth by itself */
+    if (JO_RE(speed) > JO_RE(state[JO_CONTACT_SPEED])) state[JO_CONTACT_SPEED] = speed;
+    touch(x, time, y, state);
+}
+
+/* rates of the states from index `state` on: only a bristle that sticks moves within a step */
+void jo_contact_move_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_contact_law *x, int state, jo_contact_point *y)
+{
+    static const jo_slopes_of_state none = {0.0, 0.0, 0.0, 0.0};
+    const int moves = jo_contact_follows(jo_contact_phase(d->w + (d->nw - d->forces.nstate) + state)) && JO_RE(x->shear) > 0.0;
+    const jo_real decay = moves ? jo_contact_growth(y) : 0.0;
+    for (int i = 0; i < JO_CONTACT_STATES; i++) {
+        const int k = state + i, bristle = i - JO_CONTACT_STRETCH;
+        const jo_real rate = moves && bristle >= 0 ? y->slip[bristle] - decay * jo_states(m, d)[k] : 0.0;
+        if (jo_condenses(stage)) {
+            jo_condense_state(m, d, stage, k, rate, bristle >= 0 ? decay : jo_same(0.0));
+            continue;
+        }
+        jo_state_rates(m, d)[k] = rate;
+        if (stage->set && !stage->earlier) d->forces.slopes[k] = none;
+    }
+    if (moves && jo_condenses(stage)) jo_contact_stretched(jo_states(m, d) + state + JO_CONTACT_STRETCH, y);
+}
+
+/* states of a point that overlaps, by its phase */
+static void change_phase(const jo_contact_law *x, const jo_contact_point *y, jo_real *state)
+{
+    jo_real *s = state + JO_CONTACT_STRETCH;
+    const jo_real old[3] = {s[0], s[1], s[2]}, along[3] = {-y->force[0], -y->force[1], -y->force[2]};
+    int slips, turned;
+    switch (jo_contact_phase(state)) {
+    case JO_CONTACT_STICKS:
+        jo_set3(s, y->stretch);
+        if (!breaks(x, y)) break;
+        state[JO_CONTACT_PHASE] = jo_same(JO_CONTACT_SLIPS);
+        full_stretch(x, y, y->slip, s);
+        break;
+    case JO_CONTACT_EASED:
+        slips = JO_RE(y->size) > JO_RE(x->mu_kinetic * y->N);
+        state[JO_CONTACT_PHASE] = jo_same(slips ? JO_CONTACT_SLIPS : JO_CONTACT_STICKS);
+        if (slips) full_stretch(x, y, along, s);
+        else jo_set3(s, y->stretch);
+        break;
+    case JO_CONTACT_SLIPS:
+        turned = JO_RE(jo_dot3(old, y->slip)) < 0.0;
+        if (turned) state[JO_CONTACT_PHASE] = jo_same(JO_CONTACT_STICKS);
+        full_stretch(x, y, turned ? old : y->slip, s);
+        break;
+    default: break;
+    }
+}
+
+jo_real jo_contact_update(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state)
+{
+    const int phase = jo_contact_phase(state), overlaps = JO_RE(y->depth) > 0.0;
+    const jo_real before = jo_contact_energy(x, phase, y);
+    if (phase == JO_CONTACT_APART && overlaps) {
+        state[JO_CONTACT_SPEED] = x->slowest;
+        touch(x, time, y, state);
+    } else if (overlaps) {
+        change_phase(x, y, state);
+    } else if (phase != JO_CONTACT_APART) {
+        state[JO_CONTACT_PHASE] = jo_same(JO_CONTACT_APART);
+        for (int i = 0; i < 3; i++) state[JO_CONTACT_STRETCH + i] = jo_same(0.0);
+    }
+    jo_contact_stretched(state + JO_CONTACT_STRETCH, y);
+    return before - jo_contact_energy(x, jo_contact_phase(state), y);
+}
+
+jo_real jo_contact_margin(const jo_contact_law *x, const jo_real *state, const jo_contact_point *y)
+{
+    const int phase = jo_contact_phase(state);
+    if (phase == JO_CONTACT_APART) return -y->depth;
+    jo_real left = y->depth;
+    if (phase == JO_CONTACT_STICKS && breaks(x, y)) {
+        const jo_real beyond = (x->mu_static * y->N - y->size) / y->shear;
+        if (JO_RE(beyond) < JO_RE(left)) left = beyond;
+    }
+    if (phase == JO_CONTACT_SLIPS) {
+        const jo_real along = jo_dot3(state + JO_CONTACT_STRETCH, y->slip);
+        if (JO_RE(along) < JO_RE(left)) left = along;
+    }
+    return left;
+}
+
+/* A short contact is resolved in JO_CONTACT_PARTS steps. An explicit method is stable up to some 2 / (omega + c / mass), omega^2 = k / mass;
+ * several contacts of one body add up. */
+double jo_contact_longest_step(const jo_contact_law *x, const jo_real *state, jo_real time, const jo_contact_point *y)
+{
+    double longest = INFINITY;
+    if (jo_contact_phase(state) == JO_CONTACT_APART) return longest;
+    const double n = JO_RE(x->exponent), T = JO_RE(x->duration) * pow(JO_RE(state[JO_CONTACT_SPEED]), (1.0 - n) / (1.0 + n));
+    if (JO_RE(time - state[JO_CONTACT_SINCE]) < JO_CONTACT_LASTS * T) longest = T / JO_CONTACT_PARTS;
+    if (y) {
+        const double rate = sqrt(fabs(JO_RE(y->by_depth / x->mass))) + JO_RE(y->by_rate / x->mass);
+        longest = fmin(longest, JO_CONTACT_STABLE / rate);
+    }
+    return longest;
+}
+
+int jo_contact_ease(jo_real *state)
+{
+    if (jo_contact_phase(state) == JO_CONTACT_APART || jo_contact_phase(state) == JO_CONTACT_EASED) return 0;
+    state[JO_CONTACT_PHASE] = jo_same(JO_CONTACT_EASED);
+    return 1;
+}

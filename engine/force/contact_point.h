@@ -1,0 +1,65 @@
+/* contact_point.h - one point at which two bodies touch: its motion, its force and its states, and how these change. */
+#ifndef JO_CONTACT_POINT_H
+#define JO_CONTACT_POINT_H
+
+#include "force/force.h"
+#include "contact/contact.h"
+
+/* States of a point: phase, speed of approach v_in at the touch, m/s, time of the touch, s, stretch s of the bristle, m. */
+enum { JO_CONTACT_PHASE, JO_CONTACT_SPEED, JO_CONTACT_SINCE, JO_CONTACT_STRETCH, JO_CONTACT_STATES = JO_CONTACT_STRETCH + 3 };
+enum { JO_CONTACT_APART, JO_CONTACT_STICKS, JO_CONTACT_SLIPS, JO_CONTACT_EASED };
+
+/* The numbers of the law, with which the data of every kind of contact begin. */
+typedef struct { jo_real JO_CONTACT_LAW; } jo_contact_law;
+
+/* A point at the present positions and velocities, resolved in a. */
+typedef struct {
+    jo_real normal[3];              /* n, outward normal of a */
+    jo_real depth, rate;            /* d, d' */
+    jo_real lever[3];               /* from the origin of b */
+    jo_real w[3], v[3], slip[3];    /* relative angular velocity; velocity of b on a there, and its part in the contact plane */
+    jo_real stretch[3];             /* s in the contact plane */
+    jo_real elastic, N, by_depth, by_rate;   /* K d^n; normal force and its derivatives */
+    jo_real shear, shear_rate;      /* k_t and its derivative with respect to d */
+    jo_real loss;                   /* c_t */
+    jo_real force[3], size;         /* force of the bristle before its limit: -(k_t s + c_t v_t), and its length */
+} jo_contact_point;
+
+/* Changes of a point with one of [position, rotation, velocity, angular velocity] of b against a. */
+typedef struct { jo_real depth, rate, normal[3], lever[3], slip[3]; } jo_contact_change;
+
+static inline jo_real jo_length3(const jo_real *x)
+{
+    const jo_real square = jo_dot3(x, x);
+    return JO_RE(square) > 0.0 ? jo_sqrt(square) : 0.0;
+}
+
+static inline const jo_contact_law *jo_contact_law_of(const jo_force *f) { return (const jo_contact_law *)f->data; }
+static inline int jo_contact_phase(const jo_real *state) { return (int)JO_RE(state[JO_CONTACT_PHASE]); }
+static inline int jo_contact_follows(int phase) { return phase == JO_CONTACT_STICKS || phase == JO_CONTACT_EASED; }   /* whether the bristle moves within a step */
+
+/* contact_motion.c */
+void jo_contact_slide(jo_contact_point *y);   /* d' and slip; v is the velocity of the origin of b before it */
+void jo_contact_rates(const jo_contact_point *y, int k, jo_contact_change *c);   /* changes of d' and slip, after those of position */
+
+/* contact_law.c */
+jo_real jo_contact_speed_of_depth(const jo_contact_law *x, jo_real depth);   /* of approach, m/s */
+void jo_contact_press(const jo_contact_law *x, const jo_real *state, jo_contact_point *y);
+void jo_contact_stretched(const jo_real *s, jo_contact_point *y);
+jo_real jo_contact_energy(const jo_contact_law *x, int phase, const jo_contact_point *y);
+jo_real jo_contact_growth(const jo_contact_point *y);
+/* force and torque F (6) on b about its origin; adds the dissipated power */
+void jo_contact_force(const jo_contact_law *x, int phase, const jo_contact_point *y, jo_real *F, jo_work *power);
+/* change dF (6) of F with the k-th motion of b, which changes the point by c */
+void jo_contact_response(const jo_contact_law *x, const jo_stage *stage, const jo_real *state, const jo_contact_point *y, const jo_contact_change *c,
+                         int k, const jo_real *F, jo_real *dF);
+
+/* contact_phase.c: `state` are those of a point */
+void jo_contact_start(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state);
+void jo_contact_move_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_contact_law *x, int state, jo_contact_point *y);
+jo_real jo_contact_update(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state);   /* returns the energy that it dissipates */
+jo_real jo_contact_margin(const jo_contact_law *x, const jo_real *state, const jo_contact_point *y);   /* < 0: the phase has ended */
+double jo_contact_longest_step(const jo_contact_law *x, const jo_real *state, jo_real time, const jo_contact_point *y);   /* y NULL: implicit */
+int jo_contact_ease(jo_real *state);
+
+#endif

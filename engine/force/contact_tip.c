@@ -1,0 +1,107 @@
+/* contact_tip.c - where the sphere, or circle of spheres, of b touches a shape of a, and how this place changes. */
+#include "newton/newton.h"
+#include "contact/contact.h"
+#include "force/contact_tip.h"
+
+/* vector from the centre of a ring to its lowest point, in direction -n: ring u, u = -(n - (n . z) z) / |n - (n . z) z|, z its axis */
+static void lowest(const jo_contact_data *x, const jo_real *R, const jo_real *n, jo_contact_tip *tip)
+{
+    jo_axis(tip->axis, R, 2);
+    tip->along = jo_dot3(n, tip->axis);
+    for (int i = 0; i < 3; i++) tip->out[i] = tip->along * tip->axis[i] - n[i];
+    tip->sine = jo_length3(tip->out);
+    for (int i = 0; i < 3; i++) {
+        tip->out[i] = JO_RE(tip->sine) > 0.0 ? tip->out[i] / tip->sine : R[3 * i];   /* flat on the plane: along x */
+        tip->arm[i] += x->ring * tip->out[i];
+    }
+}
+
+/* change of ring u with a rotation e */
+static void lowest_change(const jo_contact_data *x, const jo_contact_tip *tip, const jo_real *e, jo_real *c)
+{
+    if (!(JO_RE(tip->sine) > 0.0)) return;
+    const jo_real *n = tip->from.normal;
+    jo_real dz[3], da[3];
+    jo_cross(dz, e, tip->axis);
+    const jo_real dalong = jo_dot3(n, dz), dsine = -tip->along * dalong / tip->sine;
+    for (int i = 0; i < 3; i++) da[i] = (dalong * tip->axis[i] + tip->along * dz[i] - dsine * tip->out[i]) / tip->sine;
+    jo_axpy3(c, x->ring, da);
+}
+
+void jo_contact_place(const jo_data *d, const jo_force *f, jo_contact_tip *tip, jo_contact_point *y)
+{
+    const jo_contact_data *x = (const jo_contact_data *)f->data;
+    jo_real R[9], at[3];
+    jo_relative_pose(d, f, at, R);
+    jo_mul3(tip->arm, R, x->centre);
+    if (JO_RE(x->ring) > 0.0) {   /* its lowest point above a half-space */
+        static const jo_real up[3] = {0.0, 0.0, 1.0};
+        lowest(x, R, up, tip);
+    }
+    jo_add3(at, tip->arm);
+    jo_shape_distance((int)JO_COMMON(x->shape), x->size, at, &tip->from);
+    jo_set3(y->normal, tip->from.normal);
+    y->depth = x->radius - tip->from.gap;
+    y->rate = jo_same(0.0);
+    for (int i = 0; i < 3; i++) {
+        y->lever[i] = tip->arm[i] - (x->radius - 0.5 * y->depth) * y->normal[i];
+        y->slip[i] = jo_same(0.0);
+    }
+}
+
+jo_contact_change jo_contact_tip_change(const jo_contact_data *x, const jo_contact_tip *tip, const jo_contact_point *y, int k)
+{
+    jo_contact_change c = {0.0, 0.0, {0.0}, {0.0}, {0.0}};
+    jo_real e[3] = {0.0, 0.0, 0.0};
+    e[k % 3] = 1.0;
+    if (k < 6) {
+        jo_real centre[3] = {0.0, 0.0, 0.0};
+        if (k < 3) jo_set3(centre, e);
+        else jo_cross(centre, e, tip->arm);
+        if (k >= 3 && JO_RE(x->ring) > 0.0) {   /* the axis carries the centre, not the lowest point */
+            jo_real fixed[3];
+            jo_set3(fixed, tip->arm);
+            jo_axpy3(fixed, -x->ring, tip->out);
+            jo_cross(centre, e, fixed);
+            lowest_change(x, tip, e, centre);
+        }
+        c.depth = -jo_dot3(y->normal, centre);
+        jo_mul3(c.normal, tip->from.hessian, centre);
+        if (k >= 3) jo_set3(c.lever, centre);
+        for (int i = 0; i < 3; i++) c.lever[i] += 0.5 * c.depth * y->normal[i] - (x->radius - 0.5 * y->depth) * c.normal[i];
+    }
+    jo_contact_rates(y, k, &c);
+    return c;
+}
+
+/* largest curvature of the surfaces of constant distance outside of a shape, 1/m; INFINITY over edges. *face: the side or the end of a box
+ * or cylinder over which the sphere is, known by the normal; each of these regions is convex */
+static double curvature_over(const jo_contact_data *x, const jo_real *normal, int *face)
+{
+    const double r = JO_RE(x->size[0]);
+    const int shape = (int)JO_COMMON(x->shape);
+    *face = 0;
+    if (shape == JO_SHAPE_HALF_SPACE) return JO_RE(x->ring) > 0.0 ? INFINITY : 0.0;
+    if (shape == JO_SHAPE_TORUS) return 1.0 / JO_RE(x->size[1]);
+    if (shape != JO_SHAPE_BOX && shape != JO_SHAPE_CYLINDER) return 1.0 / r;
+    for (int i = shape == JO_SHAPE_BOX ? 0 : 2; i < 3; i++)
+        if (fabs(JO_RE(normal[i])) == 1.0) {
+            *face = 1 + 2 * i + (JO_RE(normal[i]) > 0.0);
+            return 0.0;
+        }
+    return shape == JO_SHAPE_CYLINDER && JO_RE(normal[2]) == 0.0 ? 1.0 / r : INFINITY;
+}
+
+/* the centre of the sphere in frame a; of a ring its lowest point, which moves on the ring no faster than the ring turns */
+void jo_contact_tip_approach(const jo_contact_data *x, const jo_contact_tip *tip, const jo_contact_point *y, jo_approach *to)
+{
+    jo_real v[3];
+    to->gap = -JO_RE(y->depth);
+    to->rate = -JO_RE(y->rate);
+    /* velocity of the centre: that of the contact point less w x (lever - arm) */
+    jo_set3(v, y->lever);
+    jo_sub3(v, tip->arm);
+    jo_cross(v, y->w, v);
+    for (int i = 0; i < 3; i++) to->v[i] = JO_RE(y->v[i] - v[i]);
+    to->curvature = curvature_over(x, y->normal, &to->face);
+}

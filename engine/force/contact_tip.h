@@ -1,0 +1,18 @@
+/* contact_tip.h - the sphere, or circle of spheres, of b that touches a shape of a. */
+#ifndef JO_CONTACT_TIP_H
+#define JO_CONTACT_TIP_H
+
+#include "force/contact_point.h"
+
+typedef struct {
+    jo_real arm[3];                 /* centre of the sphere from the origin of b, resolved in a */
+    jo_real axis[3], out[3], along, sine;   /* of a ring: its axis z, direction u of its lowest point, n . z, |n - (n . z) z| */
+    jo_distance from;               /* distance of the centre from the shape */
+} jo_contact_tip;
+
+/* contact_tip.c */
+void jo_contact_place(const jo_data *d, const jo_force *f, jo_contact_tip *tip, jo_contact_point *y);   /* at rest */
+jo_contact_change jo_contact_tip_change(const jo_contact_data *x, const jo_contact_tip *tip, const jo_contact_point *y, int k);
+void jo_contact_tip_approach(const jo_contact_data *x, const jo_contact_tip *tip, const jo_contact_point *y, jo_approach *to);
+
+#endif
