@@ -341,6 +341,15 @@ typedef struct {
     const jo_friction_data *data;
 } jo_friction;
 
+/* Row that holds a coordinate at times: a stop at the limit that it has reached, or a lock from one event to another, see switched_rows.c.
+ * Their optional joints, of one line each, come first among the optional joints. */
+typedef struct { jo_real lower, upper, restitution, slowest; } jo_limits_data;
+typedef struct {
+    int joint;              /* its optional joint */
+    int begin, end;         /* events that lock and unlock it; begin -1: a stop */
+    const jo_limits_data *data;
+} jo_switched;
+
 /* Event: a sensor value crosses a threshold. */
 typedef struct {
     int output;             /* index in the sensor vector */
@@ -394,6 +403,7 @@ typedef struct {
     int nbeam;
     int nstate;             /* first-order states of forces, x' = f(t, q, v, x) */
     int nyielding;          /* number of forces that yield, see jo_accept_yielding */
+    int nswitched;          /* number of rows that are switched */
     int nbreak;             /* number of times at which a signal jumps or has a kink */
     int nq, nv, nrow, nout;
     int nlink, nx, nu;      /* links, joint coordinates and rates of trees; 0: maximal coordinates q, v only */
@@ -423,6 +433,7 @@ typedef struct {
     const jo_signal *signal;
     const jo_force *force;
     const jo_friction *friction;
+    const jo_switched *switched;
     const jo_event *event;
     const jo_sensor *sensor;
     const jo_meter *meter;  /* DAMAGE: object is the first of count / 2 meters, values damage and closed cycles of each */

@@ -95,6 +95,8 @@ def reaching_arm() -> jo.Mechanism:
             "spin", twist.coordinates[1], 0.3, kp=0.4, ki=3.0, filter=0.01, kd=0.01
         ),
         jo.mechanism.Stop("end", slide.coordinates[0], -0.01, 0.01, stiffness=4e3, speed=0.5),
+        jo.mechanism.RigidStop("nod", pivot.coordinates[1], -0.02, 0.05, restitution=0.6),
+        jo.mechanism.Lock("catch", pivot.coordinates[0], low),
         jo.mechanism.Contact(
             *("touch", jo.ground["origin"], jo.mechanism.HollowSphere(3.64)),
             *(weld.b, jo.mechanism.Sphere(0.05), jo.mechanism.PowerLaw(1e3)),

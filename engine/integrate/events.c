@@ -1,7 +1,7 @@
 /* events.c - zero crossings: detected at the end of a step, located in time by repetition of the step with other lengths.
  *
- * Watched values: sensor value - threshold of the events, then the margins of stick-slip frictions (jo_friction_margin) and of forces that
- * yield (jo_yielding_margin). side: sign of each value; of margins 1. */
+ * Watched values: sensor value - threshold of the events, then the margins of stick-slip frictions (jo_friction_margin), of forces that
+ * yield (jo_yielding_margin) and of rows that are switched (jo_switched_margin). side: sign of each value; of margins 1. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "force/force.h"
@@ -14,6 +14,7 @@ enum { JO_MAX_TRIALS = 120 };   /* largest number of steps tried for one crossin
 enum { JO_LOG_ENTRIES = 32, JO_LOG_ENTRIES_EACH = 8 };   /* log entries of one step: constant part, and part per watched value */
 /* ends of branches per step that are located for each force that yields; further ones are not located, and the law holds across them */
 enum { JO_YIELDS_EACH = 16 };
+enum { JO_LOG_ENTRIES_SWITCHED = 64 };   /* further ones per stop: several stops that strike in turn come to rest in a row of impacts */
 enum { JO_LOG_STEPS = 4 };      /* number of steps for which the log has room */
 
 #define JO_TIME_RESOLUTION 1e-12    /* largest error of the time of an event, s */
@@ -35,11 +36,17 @@ static int is_event(const jo_model *m, int i) { return i < m->nevent; }
 /* first watched value of the forces that yield: the values of events precede it and, if any friction can stick, those of frictions */
 static int first_yielding(const jo_model *m) { return m->nevent + (m->nlock ? m->nfriction : 0); }
 
+/* first watched value of the rows that are switched */
+static int first_switched(const jo_model *m) { return first_yielding(m) + m->nyielding; }
+
 /* number of watched values */
-int jo_watched(const jo_model *m) { return first_yielding(m) + m->nyielding; }
+int jo_watched(const jo_model *m) { return first_switched(m) + m->nswitched; }
 
 /* largest number of log entries of one step; more entries indicate an endless chain of events */
-static int max_entries(const jo_model *m) { return JO_LOG_ENTRIES + JO_LOG_ENTRIES_EACH * jo_watched(m); }
+static int max_entries(const jo_model *m)
+{
+    return JO_LOG_ENTRIES + JO_LOG_ENTRIES_EACH * jo_watched(m) + JO_LOG_ENTRIES_SWITCHED * m->nswitched;
+}
 
 /* -- saved state at the start of a step --------------------------------------------------- */
 
@@ -112,6 +119,8 @@ static int watched_values(const jo_model *m, jo_data *d, double *g)
     for (int i = 0; i < first; i++)
         g[i] = is_event(m, i) ? JO_RE(d->events.measured[m->event[i].output]) - m->event[i].threshold
                               : JO_RE(jo_friction_margin(m, d, i - m->nevent));
+    if (m->nswitched) jo_switched_ready(m, d);
+    for (int k = 0; k < m->nswitched; k++) g[first_switched(m) + k] = JO_RE(jo_switched_margin(m, d, k));
     return m->nyielding ? yielding_margins(m, d, g + first) : JO_OK;
 }
 
@@ -276,7 +285,7 @@ static int prove(const jo_model *m, jo_data *d, const jo_solver *s, double *leng
 
 /* -- effects of events ------------------------------------------------------------------------ */
 
-static int log_entry(const jo_model *m, jo_data *d, int i, int value, int *chain)
+static int log_entry(const jo_model *m, jo_data *d, int i, double value, int *chain)
 {
     double *entry = d->events.log + 3 * d->events.logged;
     if (++*chain > max_entries(m)) {
@@ -352,7 +361,23 @@ static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
     return status == JO_OK ? watched_values(m, d, d->events.above) : status;
 }
 
-/* events and friction transitions at the present state */
+/* rows that are switched at the present state, one after the other */
+static int rows_switch(const jo_model *m, jo_data *d, int *chain)
+{
+    /* place in the log: after the events and the frictions */
+    const int first = m->nevent + m->nfriction, logged = d->events.logged;
+    int status = JO_OK, which = 0;
+    jo_switched_ready(m, d);
+    while (status == JO_OK) {
+        double impulse;
+        status = jo_switch_next(m, d, &which, &impulse);
+        if (status != JO_OK || which < 0) break;
+        status = log_entry(m, d, first + which, impulse, chain);
+    }
+    return status == JO_OK && d->events.logged != logged ? watched_values(m, d, d->events.above) : status;
+}
+
+/* events, friction transitions and rows that are switched at the present state */
 static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 {
     *stop = -1;
@@ -366,6 +391,11 @@ static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
     if (status == JO_OK && m->nlock) {
         const int before = d->events.logged;
         status = frictions_switch(m, d, chain);
+        if (status == JO_OK && d->events.logged != before) status = events_happen(m, d, stop, chain);
+    }
+    if (status == JO_OK && m->nswitched) {
+        const int before = d->events.logged;
+        status = rows_switch(m, d, chain);
         if (status == JO_OK && d->events.logged != before) status = events_happen(m, d, stop, chain);
     }
     if (status == JO_OK) accept_values(m, d, d->events.above);
@@ -440,6 +470,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
     double done = 0.0, longest = end;
     int chain = 0, first = !jo_levels_valid(d), found;
     d->events.yields = 0;
+    jo_switched_step_begins(m, d);
     int status = m->nlock ? jo_friction_initialise_states(m, d) : JO_OK;
     if (first && status == JO_OK) status = start(m, d);
     while (status == JO_OK && end - done > time_resolution(d)) {
@@ -493,6 +524,7 @@ int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, 
     *found = any_crosses(m, d, d->events.above);
     if (!*found) {
         d->events.yields = 0;
+        jo_switched_step_begins(m, d);
         if (m->nyielding) status = accept_yielding(m, d, d->events.above);
         if (status == JO_OK) accept_values(m, d, d->events.above);
         return status;

@@ -76,6 +76,12 @@ int jo_step_rosenbrock(const jo_model *m, jo_data *d, const jo_solver *s);
 int jo_takes_tree(const jo_model *m, const jo_solver *s);   /* whether the method runs in joint coordinates */
 int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* one step of length s->step */
 
+/* switched_rows.c */
+void jo_switched_ready(const jo_model *m, jo_data *d);
+jo_real jo_switched_margin(const jo_model *m, const jo_data *d, int k);
+void jo_switched_step_begins(const jo_model *m, jo_data *d);
+int jo_switch_next(const jo_model *m, jo_data *d, int *which, double *impulse);
+
 /* events.c */
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with location of events */
 /* longest step from here that resolves the forces that yield, s; INFINITY: any */

@@ -60,6 +60,8 @@ typedef struct {
     jo_model watch;         /* the model with the watched sensors only */
     jo_sensor *list;        /* these */
     jo_real *measured;      /* (nout) their values */
+    int *strikes;           /* (nswitched) impacts of each stop since the start of the step */
+    jo_real *rates;         /* (2 nv or 2 nu) velocities before an impact, and their change */
     double *level, *below, *above, *trial, *scale;   /* value less threshold, margin: at the start of the step, at the ends of the
                                                       * interval in which a crossing lies, between; change in the step */
     int *side;              /* sign of the value; 0 if it starts at the threshold */

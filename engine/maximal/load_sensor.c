@@ -88,7 +88,7 @@ static void pushed(const jo_model *m, jo_data *d, int body, int kind)
     }
     for (int i = 0; i < m->nfriction && kind == JO_LOAD_FRICTION; i++) jo_friction_apply_force(m, d, i);
     for (int i = 0; i < m->njoint; i++) {
-        const int locks = m->joint[i].lock >= 0;   /* those of sticking friction */
+        const int locks = m->joint[i].lock >= m->nswitched;   /* those of sticking friction */
         if (kind != (locks ? JO_LOAD_FRICTION : JO_LOAD_JOINT) || jo_joint_inactive(d, i)) continue;
         jo_apply_reaction(m, d, i);
     }

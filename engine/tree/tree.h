@@ -20,11 +20,12 @@ void jo_tree_update_slips(const jo_model *m, jo_data *d);   /* value and rate of
 jo_real jo_tree_slip_acceleration(const jo_model *m, const jo_data *d, int coordinate);
 void jo_tree_joint_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, int change, jo_real *y);
 void jo_tree_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);
-void jo_tree_lock_sticking(const jo_model *m, jo_data *d);   /* multipliers of the rows that lock sticking joints */
-void jo_tree_hold_sticking(const jo_model *m, jo_data *d);   /* coordinates of sticking joints at their locked values, rates 0 */
+jo_real jo_tree_row_force(const jo_model *m, const jo_data *d, int coordinate);   /* along a locked coordinate */
+void jo_tree_lock_sticking(const jo_model *m, jo_data *d);   /* multipliers of the rows that lock joints */
+void jo_tree_hold_sticking(const jo_model *m, jo_data *d);   /* coordinates of locked joints at their locked values, rates 0 */
 void jo_tree_friction_response(const jo_model *m, jo_data *d, int n, const int *coordinate, const jo_real *f);
 void jo_tree_apply_friction(const jo_model *m, jo_data *d, int n, const int *coordinate, const jo_real *f);
-void jo_tree_stop_sticking(const jo_model *m, jo_data *d);   /* impulses that stop the sticking joints */
+void jo_tree_stop_sticking(const jo_model *m, jo_data *d);   /* impulses that stop the locked joints */
 
 /* tree_position.c */
 void jo_tree_setup(const jo_model *m, jo_data *d);

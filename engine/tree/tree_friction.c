@@ -67,13 +67,17 @@ void jo_tree_joint_reaction(const jo_model *m, const jo_data *d, const jo_fricti
 /* force y along each coordinate of a joint that sticks: tau_i = S^T (I^A a + p^A) */
 void jo_tree_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
 {
-    for (int k = 0; k < jo_slips(f); k++) {
-        const int i = m->coordinate[jo_slip_of(f, k)].link;
-        y[k] = jo_link_sign(&m->link[i]) * jo_link_drive_force(d, &m->link[i], &d->tree.link[i + 1]);
-    }
+    for (int k = 0; k < jo_slips(f); k++) y[k] = jo_tree_row_force(m, d, jo_slip_of(f, k));
 }
 
-/* multipliers of the rows that lock joints which stick */
+/* force along a locked coordinate */
+jo_real jo_tree_row_force(const jo_model *m, const jo_data *d, int coordinate)
+{
+    const int i = m->coordinate[coordinate].link;
+    return jo_link_sign(&m->link[i]) * jo_link_drive_force(d, &m->link[i], &d->tree.link[i + 1]);
+}
+
+/* multipliers of the rows that lock joints */
 void jo_tree_lock_sticking(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nfriction; i++) {
@@ -84,19 +88,31 @@ void jo_tree_lock_sticking(const jo_model *m, jo_data *d)
         if (jo_sticks(m, d, f)) jo_tree_sticking_force(m, d, f, y);
         for (int k = 0; k < jo_slips(f); k++) d->lam[lock->row + k] = -y[k] / m->line[lock->line + k].data->factor[0];
     }
+    for (int i = 0; i < m->nswitched; i++) {
+        const jo_joint *lock = &m->joint[m->switched[i].joint];
+        const jo_line *line = &m->line[lock->line];
+        d->lam[lock->row] = d->locked[lock->lock] ? -jo_tree_row_force(m, d, line->coordinate[0]) / line->data->factor[0] : 0.0;
+    }
 }
 
-/* coordinates of joints that stick: locked value, rate 0 */
+static void hold_at(const jo_model *m, jo_data *d, int coordinate, jo_real value)
+{
+    const jo_link *link = link_along(m, coordinate);
+    d->x[link->x] = jo_link_sign(link) * value;
+    d->u[link->u] = 0.0;
+}
+
+/* coordinates of joints that are locked: locked value, rate 0 */
 void jo_tree_hold_sticking(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nfriction; i++) {
         const jo_friction *f = &m->friction[i];
         if (!jo_sticks(m, d, f)) continue;
-        for (int k = 0; k < jo_slips(f); k++) {
-            const jo_link *link = link_along(m, jo_slip_of(f, k));
-            d->x[link->x] = jo_link_sign(link) * d->held[2 * m->joint[f->lock].lock + k];
-            d->u[link->u] = 0.0;
-        }
+        for (int k = 0; k < jo_slips(f); k++) hold_at(m, d, jo_slip_of(f, k), d->held[2 * m->joint[f->lock].lock + k]);
+    }
+    for (int i = 0; i < m->nswitched; i++) {
+        const jo_joint *lock = &m->joint[m->switched[i].joint];
+        if (d->locked[lock->lock]) hold_at(m, d, m->line[lock->line].coordinate[0], d->held[2 * lock->lock]);
     }
 }
 

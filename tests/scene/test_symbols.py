@@ -97,10 +97,17 @@ def test_every_coupling_has_a_symbol(tag):
         "rack": lambda: (q, COUPLINGS["rack"]("c", p.angle, q.displacement, 0.1)),
         "coupling": lambda: (q, COUPLINGS["coupling"]("c", (p.angle, q.displacement), (1.0, 2.0))),
         "drive": lambda: (q, COUPLINGS["drive"]("c", p.angle, jo.Constant(0.0))),
+        "rigid-stop": lambda: (q, COUPLINGS["rigid-stop"]("c", p.angle, upper=1.0)),
+        "lock": lambda: (
+            (q, event := jo.mechanism.Event("e", p.angle, 1.0)),
+            COUPLINGS["lock"]("c", p.angle, event),
+        ),
     }[tag]()
-    symbol = named(make_scene(jo.Mechanism(one, two, p, more, item)), "c", "joint")
-    assert symbol.kind == {"drive": "motor"}.get(tag, tag)
-    assert len(symbol.sides) == (2 if tag == "drive" else 4)
+    more = more if isinstance(more, tuple) else (more,)
+    symbol = named(make_scene(jo.Mechanism(one, two, p, *more, item)), "c", "joint")
+    kinds = {"drive": "motor", "rigid-stop": "coupling", "lock": "coupling"}
+    assert symbol.kind == kinds.get(tag, tag)
+    assert len(symbol.sides) == (2 if tag in kinds else 4)
     np.testing.assert_allclose(symbol.axis, Z, rtol=0, atol=1e-14)
 
 

@@ -229,7 +229,7 @@ def schema() -> None:
 def tell_events(solution: Solution) -> None:
     """Print the events of a run; only the first ones of a long list."""
     events = solution.events
-    rows = [(f"{e.time:.9g} s", f"{e.name} {e.change}") for e in events[:MOST_EVENTS]]
+    rows = [(f"{e.time:.9g} s", f"{e.name} {e.effect}") for e in events[:MOST_EVENTS]]
     if len(events) > MOST_EVENTS:
         rows.append(("...", f"{len(events) - MOST_EVENTS} more in the results"))
     if rows:

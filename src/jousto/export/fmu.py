@@ -150,6 +150,8 @@ def why_not_exchanged(model: Model) -> str:
     """Return why a model cannot be exchanged (model exchange); empty if it can."""
     if model.events:
         return "events of the machine are found in its own steps"
+    if model.switched:
+        return "rigid stops and locks change velocities at its own steps"
     if any(friction.sticks for friction in model.frictions):
         return "stick-slip friction changes its state at its own steps"
     if model.meters:

@@ -22,6 +22,7 @@ from jousto.mechanism.items_by_kind import Members
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate, Distance
 from jousto.mechanism.joints.coupling import Coupler, Drive
+from jousto.mechanism.joints.switched import Lock
 from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.signals.base import Input, Signal, leaves
 from jousto.mechanism.signals.switched import Switched
@@ -230,6 +231,10 @@ def check_releases(problems: Problems, mechanism: Members) -> None:
                 problems.add(where(event), f"{what} is not in the mechanism; add it")
             if first.setdefault(id(item), event.name) != event.name:
                 problems.add(where(event), f"{what} event {first[id(item)]!r} releases already")
+            if getattr(item, "optional", False):
+                problems.add(
+                    where(event), f"{what} holds at times only; end a Lock by its own event, ends="
+                )
             if id(item) in rubbing:
                 problems.add(
                     where(event),
@@ -251,17 +256,23 @@ def check_events(problems: Problems, mechanism: Members) -> None:
     check_releases(problems, mechanism)
     events = Known(*mechanism.events)
     items = (*mechanism.forces, *mechanism.couplings, *mechanism.sensors)
-    for item in items:
-        for signal in signals_of(item):
-            if isinstance(signal, Switched) and signal.event not in events:
-                if signal.event.name in events.names:
-                    text = "is not the event of that name in the mechanism; use that one"
-                else:
-                    text = "is not in the mechanism; add it"
-                problems.add(
-                    where(item),
-                    f"its signal is switched by event {signal.event.name!r}, which {text}",
-                )
+    uses = [
+        (item, "its signal is switched by", signal.event)
+        for item in items
+        for signal in signals_of(item)
+        if isinstance(signal, Switched)
+    ]
+    for lock in mechanism.couplings:
+        if isinstance(lock, Lock):
+            ends = (lock.begins,) if lock.ends is None else (lock.begins, lock.ends)
+            uses += [(lock, "it follows", event) for event in ends]
+    for item, how, event in uses:
+        if event not in events:
+            if event.name in events.names:
+                text = "is not the event of that name in the mechanism; use that one"
+            else:
+                text = "is not in the mechanism; add it"
+            problems.add(where(item), f"{how} event {event.name!r}, which {text}")
 
 
 def check_fmus(problems: Problems, mechanism: Members) -> None:

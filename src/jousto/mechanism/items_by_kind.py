@@ -81,7 +81,10 @@ class Members:
             "bodies": tuple(flattened(items)),
             "beams": tuple(x for x in items if isinstance(x, BeamBody)),
             "joints": tuple(x for x in items if isinstance(x, Joint)),
-            "couplings": tuple(x for x in items if isinstance(x, Coupler)),
+            # the rows that act at times only follow the permanent ones
+            "couplings": tuple(
+                sorted((x for x in items if isinstance(x, Coupler)), key=lambda x: x.optional)
+            ),
             "forces": tuple(x for x in items if isinstance(x, ForceElement)),
             "frictions": tuple(x for x in items if isinstance(x, Friction)),
             "events": tuple(x for x in items if isinstance(x, Event)),

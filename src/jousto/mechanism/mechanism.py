@@ -16,6 +16,7 @@ from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.body import Body, FlexibleBody, RigidBody
 from jousto.mechanism.checks import where as where
 from jousto.mechanism.items_by_kind import CORES, STARTS, Members, word_problem
+from jousto.mechanism.switched_checks import check_switched
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -110,7 +111,9 @@ class Mechanism(Members):
 
         A beam counts as one body, although each of its nodes moves freely.
         """
-        rows = sum(joint.rows for joint in self.joints) + len(self.couplings)
+        rows = sum(joint.rows for joint in self.joints) + sum(
+            not x.optional for x in self.couplings
+        )
         nodes = sum(len(beam.bodies) for beam in self.beams)
         return 6 * (len(self.bodies) - nodes + len(self.beams)) - rows
 
@@ -134,6 +137,7 @@ class Mechanism(Members):
         checks.check_initials(problems, self)
         checks.check_distances(problems, self)
         checks.check_frictions(problems, self)
+        check_switched(problems, self)
         problems.raise_if_any()
         checks.warn_unconnected(self)
         checks.warn_interfaces(self)

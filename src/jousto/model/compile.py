@@ -151,6 +151,7 @@ def pack(mechanism: Mechanism) -> tuple[Model, Builder]:
         size=mechanism.size,
         coordinates=tuple(builder.coordinates),
         frictions=tuple(builder.frictions),
+        switched=tuple(builder.switched),
         events=tuple(builder.events),
         meters=meter_models(mechanism, sensors),
         beams=beam_models(mechanism, index),

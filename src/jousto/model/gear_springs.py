@@ -51,6 +51,7 @@ def with_rows(model: Model, lines: Sequence[NamedLine]) -> Model:
         joints=tuple(fixed),
         elimination=order_joints(fixed, model.markers, model.bodies),
         frictions=(),
+        switched=(),
         forces=(),
         sensors=(),
         events=(),

@@ -175,7 +175,7 @@ class JointModel:
     row : int
         Offset of its rows among the multipliers.
     lock : int
-        Index among the optional joints, -1 for permanent rows.
+        Index among the optional joints, those of `SwitchedModel` first; -1 for permanent rows.
     used : bool
         Whether a drive, a force, a sensor or an event needs a coordinate of the joint.
     release : int
@@ -320,6 +320,21 @@ class FrictionModel:
     other: int = -1
 
 
+@described
+@dataclass(frozen=True, eq=False)
+class SwitchedModel:
+    """Row that holds a coordinate at times, by its optional joint; data as in jousto.h.
+
+    `begin` and `end` are events, -1 for none; a stop has none.
+    """
+
+    name: str
+    joint: int
+    begin: int
+    end: int
+    data: Array
+
+
 @dataclass(frozen=True)
 class EventModel:
     """Event at a threshold of the sensor value with index `output`."""
@@ -457,6 +472,7 @@ class Model:
     size: float = 1.0
     coordinates: tuple[CoordinateModel, ...] = ()
     frictions: tuple[FrictionModel, ...] = ()
+    switched: tuple[SwitchedModel, ...] = ()
     events: tuple[EventModel, ...] = ()
     redundant: bool = False
     meters: tuple[MeterModel, ...] = ()
@@ -544,7 +560,7 @@ class Model:
 
     @cached_property
     def permanent(self) -> int:
-        """Number of permanent constraint rows; rows of sticking friction follow them."""
+        """Number of permanent constraint rows; those of stops, locks and friction follow."""
         return sum(joint.rows for joint in self.joints if joint.lock < 0)
 
     @cached_property

@@ -64,7 +64,7 @@ class SymbolMaker:
 
     def coupling(self, coupling: Coupler) -> SymbolShape:
         """Return the symbol of a gear, rack, coupling or drive."""
-        kind = coupling.tag
+        kind = "coupling" if coupling.optional else coupling.tag
         if isinstance(coupling, Drive):
             kind = "motor" if isinstance(coupling.coordinate, Angle) else "actuator"
         points, axis = self._along(coupling.coordinates)

@@ -136,7 +136,11 @@ class _Tree:
                 self._add(None, "free", {"kind": "free", "parent": -1, "body": body})
                 self.of_body[body] = len(self.made) - 1
                 self._grow(body, near)
-        if self.model.frictions and (rest := cut_joints(self.model, self.made)):
+        rest = cut_joints(self.model, self.made)
+        if self.model.switched and rest:
+            row, joint = self.model.switched[0].name, self.model.joints[rest[0]].name
+            raise _Unfit(f"stop or lock '{row}' is beside '{joint}', which is not a link of a tree")
+        if self.model.frictions and rest:
             friction, joint = self.model.frictions[0].name, self.model.joints[rest[0]].name
             raise _Unfit(
                 f"friction '{friction}' is beside '{joint}', which is not a link of a tree"
@@ -153,6 +157,9 @@ class _Tree:
         if m.frictions:
             friction = m.frictions[0].name
             raise _Unfit(f"body '{soft}' is flexible, and '{friction}' is friction")
+        if m.switched:
+            row = m.switched[0].name
+            raise _Unfit(f"body '{soft}' is flexible, and '{row}' is a rigid stop or a lock")
         if hubs := m.elimination.hubs:
             hub = m.bodies[hubs[0]].name
             raise _Unfit(f"body '{soft}' is flexible, and '{hub}' has very many joints")
@@ -200,7 +207,7 @@ class _Tree:
         return near
 
     def _note_locks(self) -> None:
-        """Store for each link the friction that can lock it."""
+        """Store for each link the friction, stop or lock that can lock it."""
         users: dict[int, list[int]] = {}  # links by their coordinates
         for i, link in enumerate(self.made):
             for coordinate in link.coordinates:
@@ -212,6 +219,15 @@ class _Tree:
             for place in {friction.coordinate, friction.other}:
                 for i in users.get(place, ()):
                     self.made[i] = replace(self.made[i], lock=lock)
+        for row in self.model.switched:
+            joint = self.model.joints[row.joint]
+            links = users.get(joint.lines[0].coordinates[0], ())
+            if not links:
+                raise _Unfit(f"'{row.name}' limits no coordinate of a link")
+            for i in links:
+                if self.made[i].lock >= 0 or self.made[i].drive >= 0:
+                    raise _Unfit(f"'{row.name}' is not alone on its coordinate")
+                self.made[i] = replace(self.made[i], lock=joint.lock)
 
     def _mass(self, body: int) -> float:
         return float(np.real(self.model.bodies[body].mass[0]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
@@ -31,6 +31,8 @@ class Coupler(Declared, section="couplings"):
     """
 
     kind = "coupling"
+    optional: ClassVar[bool] = False
+    """Whether the row acts at times only."""
     name: Name = field("Unique among joints, couplings and drives")
 
     def __repr__(self) -> str:

@@ -23,6 +23,16 @@ class EventField(Field[Any, Any]):
         return value
 
 
+class OptionalEventField(EventField):
+    """Field of an event, or None."""
+
+    noun = "Event or None"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the event or None, or report a value of another type."""
+        return None if value is None else super().check(problems, where, value)
+
+
 class Switched(Signal, tag="switched"):
     """Signal that equals `before` until an event occurs first, and `after` from then on.
 

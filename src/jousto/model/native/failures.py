@@ -99,6 +99,13 @@ def failure(model: Model, status: str, index: int, cause: BaseException | None =
             "stiff here; make it smoother, switch it by an event, give a larger tolerance, or "
             "use a method with a fixed step such as ROS2",
         )
+    rows = index - len(model.events) - len(model.frictions)
+    if status == "endless" and rows >= 0 and model.switched:
+        return Problem(
+            f"stop or lock '{model.switched[rows].name}'",
+            "opens and closes many times within one step; use a smaller step, or a larger "
+            "`slowest`, below which an impact does not rebound",
+        )
     if status == "endless" and index >= len(model.events):
         return Problem(
             f"friction '{model.frictions[index - len(model.events)].name}'",

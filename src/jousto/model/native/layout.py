@@ -32,7 +32,17 @@ _BASE: WeakKeyDictionary[Model, dict[Build, Laid]] = WeakKeyDictionary()
 _LIKE: WeakKeyDictionary[Model, Model] = WeakKeyDictionary()
 # records of a model that a layout contains besides the links of a tree
 RECORDS = (
-    *("bodies", "beams", "markers", "coordinates", "joints", "signals", "forces", "frictions"),
+    *(
+        "bodies",
+        "beams",
+        "markers",
+        "coordinates",
+        "joints",
+        "signals",
+        "forces",
+        "frictions",
+        "switched",
+    ),
     *("events", "sensors", "meters", "elimination", "size", "active"),
 )
 
@@ -248,6 +258,7 @@ class Layout:
             "nsignal": len(m.signals),
             "nforce": len(m.forces),
             "nfriction": len(m.frictions),
+            "nswitched": len(m.switched),
             "nevent": len(m.events),
             "nsensor": len(m.sensors),
             "nturn": sum(c.kind == "angle" for c in m.coordinates),
@@ -288,6 +299,7 @@ class Layout:
         model.signal = self._signals()
         model.force = self._forces()
         model.friction = self._frictions()
+        model.switched = self._switched()
         model.event = self._copied("jo_event", m.events)
         model.sensor = self._sensors()
         model.meter = self._meters()
@@ -539,6 +551,12 @@ class Layout:
             s = structs[i]
             s.law = int(friction.sticks)
             s.data = self._cast("jo_friction_data", friction.data, ("friction", i, "data"))
+        return structs
+
+    def _switched(self) -> Any:
+        structs = self._copied("jo_switched", self._source.switched)
+        for i, row in enumerate(self._source.switched):
+            structs[i].data = self._cast("jo_limits_data", row.data, ("switched", i, "data"))
         return structs
 
     def _sensors(self) -> Any:

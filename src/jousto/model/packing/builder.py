@@ -18,6 +18,7 @@ from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate, Line
 from jousto.mechanism.joints.coupling import Coupler
+from jousto.mechanism.joints.switched import SwitchedRow
 from jousto.mechanism.signals.base import Law, Signal
 from jousto.model.model import (
     CoordinateModel,
@@ -28,6 +29,7 @@ from jousto.model.model import (
     LineModel,
     MarkerModel,
     SignalModel,
+    SwitchedModel,
 )
 from jousto.model.native.header import packed
 
@@ -55,6 +57,7 @@ class Builder:
         self._states = 0
         self._row = 0  # first row of the next joint
         self.frictions: list[FrictionModel] = []
+        self.switched: list[SwitchedModel] = []
         self.events: list[EventModel] = []
         self.force_places: dict[int, int] = {}
         self._places: dict[Any, int] = {}
@@ -122,7 +125,15 @@ class Builder:
         used = [self.coordinates[s] for line in lines for s in line.coordinates]
         sides = tuple(marker for s in used for marker in (s.a, s.b))
         release = self._releases.get(id(coupling), -1)
-        return self._rows(coupling.name, sides, False, (), lines, release=release)
+        if not isinstance(coupling, SwitchedRow):
+            return self._rows(coupling.name, sides, False, (), lines, release=release)
+        lock = len(self.switched)
+        joint = self._rows(coupling.name, sides, False, (), lines, lock=lock)
+        ends = (getattr(coupling, "begins", None), getattr(coupling, "ends", None))
+        begin, end = (-1 if x is None else self._events[id(x)] for x in ends)
+        numbers = packed("jo_limits_data", **coupling.numbers)
+        self.switched.append(SwitchedModel(coupling.name, joint, begin, end, numbers))
+        return joint
 
     def friction(self, friction: Friction, joint: int) -> int:
         """Return the index of the friction of joint `joint`; call it after all other rows."""

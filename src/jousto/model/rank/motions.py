@@ -133,6 +133,7 @@ def without_drives(model: Model) -> Model:
         joints=tuple(kept),
         elimination=elimination,
         frictions=(),
+        switched=(),
         forces=(),
         sensors=(),
         events=(),

@@ -61,6 +61,12 @@ def check_known(mechanism: Mechanism, *, sensors: bool = True) -> None:
                 f"the moving frame does not release {names} during a run; remove the event, and "
                 "verify the machine without the released items separately",
             )
+    for row in mechanism.couplings:
+        if row.optional:
+            problems.add(
+                where(row),
+                f"the moving frame does not support a {row.kind}; use a Stop, or remove it",
+            )
     _check_forces(problems, mechanism)
     for sensor in mechanism.sensors if sensors else ():
         if not is_read(sensor):

@@ -12,26 +12,29 @@ from jousto.model.model import Model
 from jousto.model.native.native import Engine
 
 NOTHING = read_only(np.zeros((0, 4)))  # no events
+ROW_CHANGES = ("closes", "opens")  # an impulse, at least 0, or -1 of the engine's log
 FRICTION_CHANGES = ("sticks", "slips forward", "slips backward")  # 0, 1, -1 of the engine's log
 
 
 @dataclass(frozen=True)
 class Happening:
-    """Event or stick-slip transition of a run.
+    """Event, stick-slip transition, or impact of a rigid stop or lock of a run.
 
     Attributes
     ----------
     time : float
         Instant, s.
     name : str
-        Name of the event or friction.
+        Name of the event, friction, stop or lock.
     change : str
         "rising" or "falling" of the watched value; "sticks", "slips forward" or "slips backward"
-        of friction, along its coordinate.
+        of friction, along its coordinate; "closes" or "opens" of a stop or lock.
     count : int
         Number of occurrences of this event since the start, this one included.
     joint : str
-        Joint of the friction; empty for an event.
+        Joint of the friction; empty for others.
+    impulse : float
+        Impulse of a stop or lock that closes, N s or N m s along its coordinate; 0 for others.
     """
 
     time: float
@@ -39,9 +42,15 @@ class Happening:
     change: str
     count: int
     joint: str = ""
+    impulse: float = 0.0
 
     def __str__(self) -> str:
-        return f"{self.time:.9g} s: {self.name} {self.change}, {ordinal(self.count)} time"
+        return f"{self.time:.9g} s: {self.name} {self.effect}, {ordinal(self.count)} time"
+
+    @property
+    def effect(self) -> str:
+        """The change, with the impulse of a stop or lock that closes."""
+        return f"{self.change}, impulse {self.impulse:.6g}" if self.impulse else self.change
 
 
 def ordinal(count: int) -> str:
@@ -53,24 +62,27 @@ def ordinal(count: int) -> str:
 
 
 def sources(model: Model) -> list[str]:
-    """Return the names of the sources of the event log: events, then frictions that stick."""
-    frictions = [friction.name for friction in model.frictions]
-    return [event.name for event in model.events] + (
-        frictions if any(friction.sticks for friction in model.frictions) else []
-    )
+    """Return the sources of the event log: events, frictions that stick, then stops and locks."""
+    names = [event.name for event in model.events]
+    if any(friction.sticks for friction in model.frictions) or model.switched:
+        names += [friction.name for friction in model.frictions]
+    return names + [row.name for row in model.switched]
 
 
 def joints_of(model: Model) -> list[str]:
-    """Return the joint of each source of the event log; an empty name for an event."""
+    """Return the joint of each source of the event log; an empty name for other sources."""
     joints = [model.joints[friction.joint].name for friction in model.frictions]
-    return [*("" for _ in model.events), *joints][: len(sources(model))]
+    frictions = len(sources(model)) - len(model.events) - len(model.switched)
+    return ["" for _ in model.events] + joints[:frictions] + ["" for _ in model.switched]
 
 
-def change_of(is_event: bool, value: int) -> str:
+def change_of(is_event: bool, is_friction: bool, value: float) -> str:
     """Return the text of a change in the event log of the engine."""
     if is_event:
         return "rising" if value > 0 else "falling"
-    return FRICTION_CHANGES[1 if value > 0 else -1 if value < 0 else 0]
+    if is_friction:
+        return FRICTION_CHANGES[1 if value > 0 else -1 if value < 0 else 0]
+    return ROW_CHANGES[int(value < 0)]
 
 
 class Chronicle:
@@ -111,9 +123,10 @@ def happenings(
         Happening(
             float(time),
             names[int(source)],
-            change_of(source < events, int(value)),
+            change_of(source < events, bool(joints[int(source)]), value),
             int(count),
             joints[int(source)],
+            0.0 if source < events or joints[int(source)] else max(float(value), 0.0),
         )
         for time, source, value, count in rows
     )

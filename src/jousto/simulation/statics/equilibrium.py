@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from jousto.base.arguments import explained
-from jousto.base.errors import InputError, SimulationError
+from jousto.base.errors import InputError, SimulationError, warn
 from jousto.certificate.load_warnings import warn_loads
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
@@ -70,6 +70,13 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
         change the deflection of a part without ``stiffening=True`` by per cents.
     """
     warn_loads(model)
+    for row in model.switched:
+        if row.begin < 0:
+            warn(
+                f"rigid stop {row.name!r}",
+                "an equilibrium is found as if there were no rigid stop; check that its coordinate "
+                "is within the limits, or use an elastic Stop",
+            )
     held, where = hold_controllers(model), f"equilibrium of {model.name!r}"
     found = settle_controllers(model, state, lambda at: _rest(held, at, tolerance))
     far = warn_far(held, found.q, where)
