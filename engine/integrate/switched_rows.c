@@ -5,7 +5,8 @@
  * v0: velocities with s' = 0 of least change in the norm of the mass matrix, where joints and the rows that hold already are satisfied too;
  * j: row of s; e: restitution, 0 below the speed `slowest` (Newton's law of impact; Pfeiffer, Glocker, Multibody Dynamics with Unilateral
  * Contacts, 1996, chapter 8). The change D = v0 - v- has the kinetic energy T = u^2 / (2 j M^-1 j^T), so the impulse is
- * L = (1 + e) 2 T / u, and (1 - e^2) T is dissipated. With e = 0 the row holds s at the limit until its force would pull. A lock holds the value of s at its event; e = 0. */
+ * L = (1 + e) 2 T / u, and (1 - e^2) T is dissipated. With e = 0 the row holds s at the limit until its force would pull. A lock holds the
+ * value of s at its event; e = 0. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "friction/friction.h"
