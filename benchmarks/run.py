@@ -33,6 +33,7 @@ PROGRAMS: dict[str, tuple[str, ...]] = {
     "beams": ("quick",),
     "implicit": ("quick",),
     "friction": (),
+    "contact": (),
     "loops": ("quick",),
     "ports": ("quick",),
     "coordinates": (),
