@@ -4,6 +4,7 @@
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/force.h"
+#include "contact/contact.h"
 #include "beam/beam.h"
 #include "friction/friction.h"
 #include "tree/tree.h"
@@ -50,6 +51,7 @@ static jo_data *lay_out(const jo_model *m, jo_arena *a)
     d->force = jo_take_many(a, m->nforce, sizeof *d->force);
     jo_maximal_layout(m, d, a);
     jo_force_layout(m, d, a);
+    jo_contact_layout(m, d, a);
     jo_beam_layout(m, d, a);
     jo_newton_layout(m, d, a);
     jo_friction_layout(m, d, a);
@@ -89,6 +91,7 @@ static jo_data *place(const jo_model *m, void *memory)
     jo_joint_plan(m, d);
     jo_joint_setup(m, d, 0);
     jo_force_setup(m, d);
+    jo_contact_setup(m, d);
     if (jo_watched(m)) jo_event_setup(m, d);
     if (m->nmeter) jo_damage_setup(m, d);
     for (int i = 0; i < m->nmarker; i++) {   /* ground markers are constant */

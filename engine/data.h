@@ -6,6 +6,7 @@
 #include "evaluation.h"
 #include "newton/newton_data.h"
 #include "force/force_data.h"
+#include "contact/contact_data.h"
 #include "beam/beam_data.h"
 #include "friction/friction_data.h"
 #include "tree/tree_data.h"
@@ -55,6 +56,7 @@ struct jo_data {
     jo_schur schur;
     jo_newton newton;
     jo_forces forces;
+    jo_contacts contacts;
     jo_beams beams;
     jo_anderson friction;
     jo_tree tree;

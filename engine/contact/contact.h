@@ -1,8 +1,9 @@
-/* contact.h - signed distance of shapes. */
+/* contact.h - signed distance of shapes, and contacts in the matrix of a Rosenbrock method; functions for other rooms. */
 #ifndef JO_CONTACT_H
 #define JO_CONTACT_H
 
-#include "small.h"
+#include "arena.h"
+#include "data.h"
 
 /* Shapes in the frame of their marker, with their sizes, m. Axes of revolution: z. */
 typedef enum {
@@ -19,6 +20,68 @@ typedef enum {
 /* Signed distance of a point outside of a shape (inside: negative), m; its gradient, the outward normal; its second derivatives, 1/m. */
 typedef struct { jo_real gap, normal[3], hessian[9]; } jo_distance;
 
+enum { JO_TREE_CONTACT_ROWS = 48 };   /* largest number of rows of contacts that a tree in joint coordinates takes, three a contact */
+
+/* A contact in the matrix M + J^T G J of a step, G = g h D + (g h)^2 (K + B): derivatives of its force F on b with respect to the position
+ * and velocity of b on a at the contact point and to the stretch s of its bristle, as in the first stage; resolved in a, (3 x 3) by rows. */
+typedef struct jo_contact_matrix {
+    int force, first, state;   /* in m->force; first one of its states, which is its phase, 0 apart; first one of s */
+    int closed;             /* whether the matrix of the present step contains it */
+    int follows;            /* whether s follows the slip velocity */
+    int link[2];            /* links of a and b in joint coordinates; -1: ground */
+    int at[2], count[2];    /* of the velocities on which that of the contact point depends: the first, and their number */
+    jo_real *J[2];          /* (3 x count) velocity of b on a at the contact point: sum of J[i] times these */
+    jo_real point[3], normal[3];   /* contact point, m, world; normal of a */
+    jo_real K[9], D[9], B[9], G[9];   /* -dF/dx, -dF/dv, -dF/ds; G */
+    jo_real u[3], w[3], S[3];   /* J times the arguments of stiffness and damping in this stage, sum s_ij s_j' of the earlier stages */
+} jo_contact_matrix;
+
+/* number of points of a force at which two bodies touch */
+static inline int jo_contact_points(const jo_force *f) { return f->type == JO_FORCE_contact; }
+static inline int jo_contact_count(const jo_model *m)
+{
+    int n = 0;
+    for (int i = 0; i < m->nforce; i++) n += jo_contact_points(&m->force[i]);
+    return n;
+}
+
+/* the contact with this first state */
+static inline jo_contact_matrix *jo_contact_in_matrix(const jo_data *d, int first) { return &d->contacts.matrix[d->contacts.of_state[first]]; }
+
+/* y (3) = J z */
+static inline void jo_contact_velocity(const jo_contact_matrix *c, const jo_real *z, jo_real *y)
+{
+    for (int i = 0; i < 3; i++) {
+        y[i] = jo_same(0.0);
+        for (int s = 0; s < 2; s++) {
+            const int n = c->count[s];
+            const jo_real *row = c->J[s] + i * n, *x = z + c->at[s];
+            for (int j = 0; j < n; j++) y[i] += row[j] * x[j];
+        }
+    }
+}
+
+/* closed contact after c, or the first one; 0: none */
+static inline const jo_contact_matrix *jo_next_contact(const jo_data *d, const jo_contact_matrix *c)
+{
+    const jo_contact_matrix *end = d->contacts.matrix + d->contacts.count;
+    for (c = c ? c + 1 : d->contacts.matrix; c < end; c++)
+        if (c->closed) return c;
+    return 0;
+}
+
+/* shape_distance.c */
 void jo_shape_distance(int shape, const jo_real *size, const jo_real *x, jo_distance *y);
+
+/* contact_matrix.c */
+void jo_contact_layout(const jo_model *m, jo_data *d, jo_arena *a);
+void jo_contact_setup(const jo_model *m, jo_data *d);
+int jo_contacts_closed(const jo_model *m, const jo_data *d);   /* whether any contact acts at the start of a step */
+void jo_contact_place_in_matrix(const jo_model *m, jo_data *d, const jo_stage *stage, jo_contact_matrix *c);   /* J and G */
+void jo_contact_carry(const jo_model *m, jo_data *d);   /* u, w, S of a later stage, from dv and acc */
+void jo_contact_push(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_contact_matrix *c, const jo_real *lever);
+void jo_contact_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage);   /* s' with the accelerations of the stage */
+void jo_contact_add_to_newton(const jo_model *m, jo_data *d);   /* J^T G J */
+void jo_contact_subtract(const jo_model *m, jo_data *d, const jo_real *a);   /* J^T G J a from the right-hand side of Newton's matrix */
 
 #endif

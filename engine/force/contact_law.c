@@ -165,15 +165,20 @@ static void stretch_change(const jo_stage *stage, const jo_real *s, int moves, c
     for (int i = 0; i < 3; i++) ds[i] = raw[i] - dout * n[i] - out * c->normal[i];
 }
 
+void jo_contact_force_change(const jo_contact_law *x, int phase, const jo_contact_point *y, const jo_contact_change *c, const jo_real *ds, jo_real *dF)
+{
+    const jo_real dN = y->by_depth * c->depth + y->by_rate * c->rate;
+    friction_change(x, phase, y, c, dN, ds, dF);
+    for (int i = 0; i < 3; i++) dF[i] += dN * y->normal[i] + y->N * c->normal[i];
+}
+
 void jo_contact_response(const jo_contact_law *x, const jo_stage *stage, const jo_real *state, const jo_contact_point *y, const jo_contact_change *c,
                          int k, const jo_real *F, jo_real *dF)
 {
     const int phase = jo_contact_phase(state);
-    const jo_real dN = y->by_depth * c->depth + y->by_rate * c->rate;
     jo_real ds[3], t[3];
     stretch_change(stage, state + JO_CONTACT_STRETCH, jo_contact_follows(phase), y, c, k, ds);
-    friction_change(x, phase, y, c, dN, ds, dF);
-    for (int i = 0; i < 3; i++) dF[i] += dN * y->normal[i] + y->N * c->normal[i];
+    jo_contact_force_change(x, phase, y, c, ds, dF);
     jo_cross(dF + 3, y->lever, dF);
     jo_cross(t, c->lever, F);
     jo_add3(dF + 3, t);

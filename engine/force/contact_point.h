@@ -50,9 +50,15 @@ jo_real jo_contact_energy(const jo_contact_law *x, int phase, const jo_contact_p
 jo_real jo_contact_growth(const jo_contact_point *y);
 /* force and torque F (6) on b about its origin; adds the dissipated power */
 void jo_contact_force(const jo_contact_law *x, int phase, const jo_contact_point *y, jo_real *F, jo_work *power);
+/* change dF (3) of the force with the changes c of the point and ds of its stretch */
+void jo_contact_force_change(const jo_contact_law *x, int phase, const jo_contact_point *y, const jo_contact_change *c, const jo_real *ds, jo_real *dF);
 /* change dF (6) of F with the k-th motion of b, which changes the point by c */
 void jo_contact_response(const jo_contact_law *x, const jo_stage *stage, const jo_real *state, const jo_contact_point *y, const jo_contact_change *c,
                          int k, const jo_real *F, jo_real *dF);
+
+/* contact_implicit.c: moves (6): changes of the point with the position and with the velocity of b; `state`: its first one */
+void jo_contact_implicit(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, int state, const jo_contact_point *y,
+                         const jo_contact_change *moves);
 
 /* contact_phase.c: `state` are those of a point */
 void jo_contact_start(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state);

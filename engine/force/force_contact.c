@@ -42,6 +42,14 @@ static jo_real stored(const jo_data *d, const jo_force *f)
     return jo_contact_energy(x, jo_contact_phase(state), &y);
 }
 
+/* in the matrix of a Rosenbrock method */
+static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_contact_tip *tip, const jo_contact_point *y)
+{
+    jo_contact_change moves[6];   /* with position and velocity of b */
+    for (int k = 0; k < 6 && !stage->earlier; k++) moves[k] = jo_contact_tip_change(numbers(f), tip, y, k < 3 ? k : k + 3);
+    jo_contact_implicit(m, d, stage, f, f->state, y, moves);
+}
+
 static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *out)
 {
     static const jo_force_work none = {{0.0}, 0.0, 0.0, 0.0};
@@ -51,6 +59,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     jo_contact_point y;
     present(m, d, f, states(d, f), &tip, &y);
     jo_contact_move_states(m, d, stage, x, f->state, &y);
+    if (stage->contacts) add_implicit(m, d, stage, f, &tip, &y);
     *out = none;
     if (phase == JO_CONTACT_APART || !(JO_RE(y.depth) > 0.0)) return JO_OK;
     jo_real F[6];

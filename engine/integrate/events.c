@@ -475,7 +475,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
     if (first && status == JO_OK) status = start(m, d);
     while (status == JO_OK && end - done > time_resolution(d)) {
         double length = fmin(end - done, longest);
-        if (m->nyielding) length = fmin(length, jo_resolved(m, d, s->method != JO_METHOD_alpha));
+        if (m->nyielding) length = fmin(length, jo_resolved(m, d, s->method != JO_METHOD_alpha && !jo_contacts_in_matrix(jo_method_tableau(s->method))));
         const double wanted = length;
         status = part_step(m, d, s, first, &length, &found);
         if (status == JO_NO_CONVERGENCE && try_again(m, d, s, &longest, wanted)) {

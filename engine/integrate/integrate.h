@@ -22,6 +22,9 @@ static inline double jo_tableau_node(const jo_tableau *t, int i)
     return c;
 }
 
+/* whether a method has closed contacts in its matrix */
+static inline int jo_contacts_in_matrix(const jo_tableau *t) { return t->implicit && t->order == 2; }
+
 /* stored rates of stage j: of the increments and of the velocities, (nw) each, padded to whole vectors */
 static inline jo_real *jo_kept_rates(const jo_data *d, int j)
 {

@@ -4,6 +4,7 @@
 #include "maximal/maximal.h"
 #include "beam/beam.h"
 #include "force/force.h"
+#include "contact/contact.h"
 #include "newton/newton.h"
 #include "friction/friction.h"
 #include "tree/tree.h"
@@ -227,6 +228,42 @@ int jo_hybrid_condense(const jo_model *m, jo_data *d, const jo_stage *stage)
 void jo_hybrid_forward_pass_2(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
+}
+
+/* contacts in the matrix of a Rosenbrock method */
+void jo_contact_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    (void)m; (void)d; (void)a;
+}
+void jo_contact_setup(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+int jo_contacts_closed(const jo_model *m, const jo_data *d)
+{
+    (void)m; (void)d;
+    return 0;
+}
+void jo_contact_carry(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+void jo_contact_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    (void)m; (void)d; (void)stage;
+}
+int jo_tree_takes_contacts(const jo_model *m)
+{
+    (void)m;
+    return 0;
+}
+void jo_tree_contact_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    (void)m; (void)d; (void)a;
+}
+void jo_tree_contacts(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    (void)m; (void)d; (void)stage;
 }
 
 /* kinds of force that no file of this build defines */

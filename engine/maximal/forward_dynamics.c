@@ -4,6 +4,7 @@
 #include "newton/newton.h"
 #include "force/force.h"
 #include "beam/beam.h"
+#include "contact/contact.h"
 #include "friction/friction.h"
 #include "tree/tree.h"
 
@@ -118,6 +119,7 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
         jo_hybrid_ends(d);
     }
     if (m->nstate && stage->set && jo_tree_active(d) && status == JO_OK) jo_tree_implicit_state_rates(m, d, stage);
+    if (stage->contacts && status == JO_OK) jo_contact_state_rates(m, d, stage);
     return status;
 }
 

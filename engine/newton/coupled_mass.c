@@ -1,6 +1,6 @@
-/* coupled_mass.c - accelerations and multipliers of mechanisms whose bodies have coupled masses (beams), by the block LU of newton_factor.c.
+/* coupled_mass.c - accelerations and multipliers of mechanisms whose bodies have coupled masses (beams, contacts), by the LU of newton_factor.c.
  *
- *   [M^ Cq^T; Cq 0] [a; lam] = [Q; -(Cq)' v],  M^ = M or, in a Rosenbrock method, M + g h D + (g h)^2 K of beams and modes
+ *   [M^ Cq^T; Cq 0] [a; lam] = [Q; -(Cq)' v],  M^ = M or, in a Rosenbrock method, M + g h D + (g h)^2 K of beams, contacts, modes
  * solved for the change from `base`, `base_lam`: free fall, or in stage 2 of ROS2 the solution of stage 1, with its factors. Masses and
  * accelerations change by O(h) between the stages: the error of a is O(h^2), and the order of the method remains 2.
  */
@@ -9,13 +9,14 @@
 #include "newton/newton.h"
 #include "force/force.h"
 #include "beam/beam.h"
+#include "contact/contact.h"
 
 enum { JO_REFINEMENTS = 2 };   /* number of iterative refinements; each reduces the error due to the regularisation by a factor of 1e-8 */
 
 /* whether masses of bodies are coupled: in a Rosenbrock method by the stiffness of beams, else by their consistent mass */
 int jo_couples(const jo_model *m, const jo_stage *stage)
 {
-    if (stage->set && m->nbeam) return 1;
+    if (stage->set && (m->nbeam || stage->contacts)) return 1;
     for (int i = 0; i < m->nbeam; i++)
         if (jo_beam_inertial(&m->beam[i])) return 1;
     return 0;
@@ -30,6 +31,7 @@ static void assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
     for (int i = 0; i < m->nrow; i++) d->lam[i] = 0.0;
     jo_newton_masses(m, d, &masses);
     jo_newton_rows(m, d, &rows);
+    if (stage->contacts) jo_contact_add_to_newton(m, d);
 }
 
 static jo_real *part_of(const jo_model *m, jo_data *d, int item) { return d->newton.x + jo_newton_place(m, item); }
@@ -119,6 +121,7 @@ void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
         for (int j = 0; j < 6; j++) x[j] = (stage->set ? f[j] : 0.0) - r[j];
         for (int j = 0; j < b->n; j++) x[6 + j] = -r[6 + j] - gh * (b->D[j] + gh * b->K[j]) * a[6 + j];
     }
+    if (stage->contacts) jo_contact_subtract(m, d, d->newton.base);
     for (int i = 0; i < m->njoint; i++) {
         jo_real *x = part_of(m, d, m->nbody + i), y[JO_MAX_ROWS] = {0.0};
         if (!jo_absent(d, &m->joint[i])) row_accelerations(m, d, stage, i, y);

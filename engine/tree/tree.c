@@ -458,6 +458,7 @@ int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     if (status == JO_OK && m->nloop) status = jo_loop_evaluate(m, d, stage);
     if (status != JO_OK) return status;
     jo_tree_forward_pass_2(m, d);
+    if (stage->contacts) jo_tree_contacts(m, d, stage);
     if (m->nfriction) status = jo_friction_solve(m, d, stage);
     d->drive = jo_tree_drive_forces(m, d);
     d->power.forces += d->drive;

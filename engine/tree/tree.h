@@ -14,6 +14,7 @@ static inline void jo_tree_push(const jo_model *m, jo_data *d, int link, jo_real
 /* tree_force_response.c */
 void jo_tree_clear_added_forces(const jo_model *m, jo_data *d);
 void jo_tree_force_response(const jo_model *m, jo_data *d, jo_real *rate);   /* rate (nu): change of qdd by the added forces */
+void jo_tree_add_response(const jo_model *m, jo_data *d, jo_real part);   /* part of it to the accelerations and forces of the links */
 
 /* tree_friction.c */
 void jo_tree_update_slips(const jo_model *m, jo_data *d);   /* value and rate of the coordinates with friction */
@@ -61,6 +62,12 @@ int jo_loop_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);   /*
 void jo_loop_solve(const jo_model *m, jo_data *d);   /* multipliers for the right-hand sides x, with the last factors */
 void jo_loop_add_multiplier_forces(const jo_model *m, jo_data *d);   /* forces of the multipliers as added forces */
 jo_real jo_loop_power(const jo_model *m, const jo_data *d);   /* power of drives in loops, W */
+
+/* tree_contacts.c */
+int jo_tree_takes_contacts(const jo_model *m);   /* whether steps in joint coordinates have contacts in their matrix */
+void jo_tree_contact_layout(const jo_model *m, jo_data *d, jo_arena *a);
+void jo_tree_contact_jacobian(const jo_model *m, jo_data *d, struct jo_contact_matrix *c);
+void jo_tree_contacts(const jo_model *m, jo_data *d, const jo_stage *stage);   /* accelerations with the matrix of the method */
 
 /* tree_layout.c */
 void jo_tree_layout(const jo_model *m, jo_data *d, jo_arena *a);

@@ -31,6 +31,8 @@ typedef struct {
     jo_link_response *response;   /* (nlink + 1) response to added forces */
     jo_real *joint_response;   /* (nu) response of the joints to added forces */
     jo_real *added_tau;     /* (nu) added forces along the joint coordinates, N or N m */
+    jo_real *contact_response, *contact_factors, *contact_force;   /* (n x nu), (n x n), (n) of tree_contacts.c, n: three a contact */
+    int *contact_pivot, contact_rows;   /* (n) row exchanges; rows of the contacts that are closed */
     int *marker, *coordinate, *body;   /* markers, coordinates and bodies that force laws read at every evaluation */
     int nmarker, ncoordinate, nbody;
     int *hinge, nhinge;     /* links with a hinge */

@@ -95,3 +95,17 @@ void jo_tree_force_response(const jo_model *m, jo_data *d, jo_real *rate)
         last = i;
     }
 }
+
+void jo_tree_add_response(const jo_model *m, jo_data *d, jo_real part)
+{
+    for (int i = 1; i <= m->nlink; i++) {
+        const jo_link_response *c = &d->tree.response[i];
+        jo_link_work *w = &d->tree.link[i];
+        const int type = m->link[i - 1].type;
+        const jo_vec change = type == JO_LINK_BALL || type == JO_LINK_FREE ? jo_vec_sub(c->f, jo_vec_mat_mul_lanes(w->HJinv, c->t)) : c->f;
+        w->f = jo_vec_axpy(w->f, -part, change);   /* p^A of the joint reaction */
+        w->t = jo_vec_axpy(w->t, -part, c->t);
+        w->alpha = jo_vec_axpy(w->alpha, part, c->alpha);
+        w->a = jo_vec_axpy(w->a, part, c->a);
+    }
+}

@@ -140,17 +140,7 @@ void jo_tree_apply_friction(const jo_model *m, jo_data *d, int n, const int *coo
         d->tree.tau[k->u] += jo_link_sign(k) * f[c];
     }
     for (int i = 0; i < m->nu; i++) d->ud[i] += part * d->tree.joint_response[i];
-    /* alpha += dalpha, a += da; p^A of the joint reaction: f -= df, t -= dt */
-    for (int i = 1; i <= m->nlink; i++) {
-        const jo_link_response *c = &d->tree.response[i];
-        jo_link_work *w = &d->tree.link[i];
-        const int type = m->link[i - 1].type;
-        const jo_vec change = type == JO_LINK_BALL || type == JO_LINK_FREE ? jo_vec_sub(c->f, jo_vec_mat_mul_lanes(w->HJinv, c->t)) : c->f;
-        w->f = jo_vec_axpy(w->f, -part, change);
-        w->t = jo_vec_axpy(w->t, -part, c->t);
-        w->alpha = jo_vec_axpy(w->alpha, part, c->alpha);
-        w->a = jo_vec_axpy(w->a, part, c->a);
-    }
+    jo_tree_add_response(m, d, part);
 }
 
 /* ---- impulse at the start of sticking -------------------------------------------------------------- */

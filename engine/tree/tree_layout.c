@@ -48,4 +48,5 @@ void jo_tree_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
     lay_links(m, d, a);
     lay_loops(m, d, a);
+    jo_tree_contact_layout(m, d, a);
 }

@@ -148,10 +148,7 @@ def test_what_a_room_keeps_is_used_in_this_room_alone(fields: set[Access]):
         return "" if name == f"{room}.h" else room
 
     kept = [(room, a) for a in fields for room in {keeper(a.owner), keeper(a.content)} - {""}]
-    assert {room for room, _ in kept} == {path.parent.name for path in room_files()} - {
-        ENGINE.name,
-        "contact",  # keeps no data: its header has all that it declares
-    }
+    assert {room for room, _ in kept} == {path.parent.name for path in room_files()} - {ENGINE.name}
     found = [a for room, a in kept if a.file.rpartition("/")[0] != room]
     assert not sorted(found)
 

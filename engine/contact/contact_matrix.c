@@ -1,0 +1,197 @@
+/* contact_matrix.c - contacts in the matrix of a Rosenbrock method of order 2.
+ *
+ * With x and v the position and velocity of body b on body a at the contact point, and s' = sigma the rate of the bristle, the force F(x, v, s)
+ * has in stage i of step_rosenbrock.c the implicit part
+ *   g h (K u + D w - B (sigma + S) + g h B w) - G J v_i',   G = g h D + (g h)^2 (K + B),
+ *   u = J (-r_i - sum s_ij r_j - g h sum z_ij v_j'),  w = -J sum s_ij v_j',  S = sum s_ij s_j',
+ *   s_i' = sigma + g h P (J v_i' - w),   P = 1 - n n^T,
+ * since the state s is eliminated: ds'/dv = P. The matrices and J are those of the first stage. J^T G J enters Newton's matrix of
+ * coupled_mass.c, or the equations of a tree in tree_contacts.c. */
+#include "valid.h"
+#include "maximal/maximal.h"
+#include "newton/newton.h"
+#include "tree/tree.h"
+#include "contact/contact.h"
+
+/* number of velocities of the body of a marker */
+static int velocities(const jo_model *m, int marker)
+{
+    const int body = m->marker[marker].body;
+    return body < 0 ? 0 : 6 + m->body[body].n;
+}
+
+void jo_contact_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    const int tree = jo_tree_takes_contacts(m);
+    jo_contacts *w = &d->contacts;
+    w->count = jo_contact_count(m);
+    w->matrix = jo_take_many(a, w->count, sizeof *w->matrix);
+    w->of_state = jo_take_ints(a, w->count ? m->nstate : 0);
+    for (int i = 0, k = 0; i < m->nforce; i++) {
+        const jo_force *f = &m->force[i];
+        for (int point = 0; point < jo_contact_points(f); point++, k++) {
+            jo_contact_matrix spare, *c = a->base ? &w->matrix[k] : &spare;
+            const int first = velocities(m, f->a);
+            c->force = i;
+            c->first = f->state + point * (f->states / jo_contact_points(f));
+            c->J[0] = jo_take_reals(a, 3 * (tree && m->nu > first ? m->nu : first));
+            c->J[1] = jo_take_reals(a, 3 * velocities(m, f->b));
+            if (a->base) w->of_state[c->first] = k;
+        }
+    }
+}
+
+/* link that carries a marker; -1: ground */
+static int link_of(const jo_model *m, int marker)
+{
+    const int body = m->marker[marker].body;
+    for (int i = 0; body >= 0 && i < m->nlink; i++)
+        if (m->link[i].body == body) return i;
+    return -1;
+}
+
+void jo_contact_setup(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < d->contacts.count; i++) {
+        jo_contact_matrix *c = &d->contacts.matrix[i];
+        c->link[0] = link_of(m, m->force[c->force].a);
+        c->link[1] = link_of(m, m->force[c->force].b);
+    }
+}
+
+int jo_contacts_closed(const jo_model *m, const jo_data *d)
+{
+    for (int i = 0; i < d->contacts.count; i++)
+        if (JO_RE(jo_states(m, d)[d->contacts.matrix[i].first]) != 0.0) return 1;   /* phase */
+    return 0;
+}
+
+/* J of one side in maximal coordinates: sign A_a^T (L_r - arm~ L_phi), arm: contact point from the marker */
+static void side_jacobian(const jo_model *m, jo_data *d, jo_contact_matrix *c, int side, int marker)
+{
+    static const jo_stage derivatives = {.weights = {1.0, 1.0, 0.0, 1.0, 0, 1}};
+    const int body = m->marker[marker].body, n = c->count[side] = velocities(m, marker);
+    if (body < 0) return;
+    const jo_real *A = d->marker[m->force[c->force].a].A;
+    jo_real arm[3];
+    c->at[side] = m->body[body].iv;
+    jo_newton_marker(m, d, &derivatives, marker);
+    const jo_real *L = jo_marker_derivatives(d, marker);
+    const int row = jo_pad(n);
+    jo_set3(arm, c->point);
+    jo_sub3(arm, d->marker[marker].r);
+    for (int j = 0; j < n; j++) {
+        const jo_real turn[3] = {L[3 * row + j], L[4 * row + j], L[5 * row + j]};
+        jo_real v[3], y[3];
+        jo_cross(v, turn, arm);
+        for (int i = 0; i < 3; i++) v[i] += L[i * row + j];
+        jo_mul3t(y, A, v);
+        for (int i = 0; i < 3; i++) c->J[side][i * n + j] = side ? y[i] : -y[i];
+    }
+}
+
+void jo_contact_place_in_matrix(const jo_model *m, jo_data *d, const jo_stage *stage, jo_contact_matrix *c)
+{
+    const jo_force *f = &m->force[c->force];
+    const double gh = stage->gh;
+    for (int i = 0; i < 9; i++) c->G[i] = gh * (c->D[i] + gh * (c->K[i] + c->B[i]));
+    if (jo_tree_active(d)) {
+        jo_tree_contact_jacobian(m, d, c);
+        return;
+    }
+    side_jacobian(m, d, c, 0, f->a);
+    side_jacobian(m, d, c, 1, f->b);
+}
+
+void jo_contact_carry(const jo_model *m, jo_data *d)
+{
+    const jo_real *S = d->acc + d->nw - m->nstate;   /* minus the sum of the earlier stages */
+    for (int k = 0; k < d->contacts.count; k++) {
+        jo_contact_matrix *c = &d->contacts.matrix[k];
+        if (!c->closed) continue;
+        jo_contact_velocity(c, d->dv, c->u);
+        jo_contact_velocity(c, d->acc, c->w);
+        for (int i = 0; i < 3; i++) c->S[i] = -S[c->state + i];
+    }
+}
+
+void jo_contact_push(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_contact_matrix *c, const jo_real *lever)
+{
+    const double gh = stage->gh;
+    const jo_real *sigma = jo_state_rates(m, d) + c->state;
+    jo_real F[6], s[3], x[3];
+    jo_force_work unused;
+    for (int i = 0; i < 3; i++) s[i] = gh * c->w[i] - sigma[i] - c->S[i];
+    jo_mul3(F, c->K, c->u);
+    jo_mul3(x, c->D, c->w);
+    jo_add3(F, x);
+    jo_mul3(x, c->B, s);
+    jo_add3(F, x);
+    for (int i = 0; i < 3; i++) F[i] *= gh;
+    jo_cross(F + 3, lever, F);
+    jo_push_between(m, d, &m->force[c->force], F, &unused);
+}
+
+void jo_contact_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    for (int k = 0; k < d->contacts.count; k++) {
+        const jo_contact_matrix *c = &d->contacts.matrix[k];
+        if (!c->closed || !c->follows) continue;
+        jo_real *rate = jo_state_rates(m, d) + c->state, v[3];
+        jo_contact_velocity(c, d->wd, v);
+        jo_sub3(v, c->w);
+        jo_axpy3(v, -jo_dot3(v, c->normal), c->normal);
+        jo_axpy3(rate, jo_same(stage->gh), v);
+    }
+}
+
+/* body of a side */
+static int body_of(const jo_model *m, const jo_contact_matrix *c, int side)
+{
+    const jo_force *f = &m->force[c->force];
+    return m->marker[side ? f->b : f->a].body;
+}
+
+/* y (3 x n) = G J of a side */
+static jo_real scaled(const jo_contact_matrix *c, int side, int i, int j)
+{
+    const int n = c->count[side];
+    const jo_real *J = c->J[side] + j, *G = c->G + 3 * i;
+    return G[0] * J[0] + G[1] * J[n] + G[2] * J[2 * n];
+}
+
+void jo_contact_add_to_newton(const jo_model *m, jo_data *d)
+{
+    for (int k = 0; k < d->contacts.count; k++) {
+        const jo_contact_matrix *c = &d->contacts.matrix[k];
+        if (!c->closed) continue;
+        for (int s = 0; s < 2; s++)
+            for (int t = 0; t < 2; t++) {
+                if (!c->count[s] || !c->count[t]) continue;
+                const jo_block N = jo_newton_find(m, d, body_of(m, c, s), body_of(m, c, t));
+                const int n = c->count[s];
+                for (int j = 0; j < c->count[t]; j++) {
+                    const jo_real x = scaled(c, t, 0, j), y = scaled(c, t, 1, j), z = scaled(c, t, 2, j);
+                    for (int i = 0; i < n; i++)
+                        N.at[i * N.stride + j] += c->J[s][i] * x + c->J[s][n + i] * y + c->J[s][2 * n + i] * z;
+                }
+            }
+    }
+}
+
+void jo_contact_subtract(const jo_model *m, jo_data *d, const jo_real *a)
+{
+    for (int k = 0; k < d->contacts.count; k++) {
+        const jo_contact_matrix *c = &d->contacts.matrix[k];
+        jo_real y[3], F[3];
+        if (!c->closed) continue;
+        jo_contact_velocity(c, a, y);
+        jo_mul3(F, c->G, y);
+        for (int s = 0; s < 2; s++) {
+            const int n = c->count[s];
+            if (!n) continue;
+            jo_real *x = jo_newton_vector(d) + jo_newton_place(m, body_of(m, c, s));
+            for (int i = 0; i < n; i++) x[i] -= c->J[s][i] * F[0] + c->J[s][n + i] * F[1] + c->J[s][2 * n + i] * F[2];
+        }
+    }
+}
