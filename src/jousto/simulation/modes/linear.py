@@ -16,6 +16,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
+from jousto.simulation.contacts import STRETCH, bristle_rates, contact_states
 from jousto.simulation.controllers import controllers, hold_controllers, moving_states
 from jousto.simulation.second_order import where_noticed
 from jousto.simulation.state import State, put
@@ -196,7 +197,8 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
         T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[:nv, :nv] @ T
     )  # mass matrix, including the masses of beams
 
-    moving = moving_states(model)
+    moving, bristles = moving_states(model), contact_states(model, STRETCH)
+    places = np.concatenate([moving, bristles])
 
     def slopes(*along: Array) -> tuple[Array, ...]:
         """Return directional derivatives of C, C', a (body frames), sensors and state rates."""
@@ -204,17 +206,17 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
         steps.q[:] = displaced(model, q, 1j * IMAGINARY * (T @ dq))
         steps.v[:] = v + 1j * IMAGINARY * (T @ dv)
         steps.states[:] = engine.states
-        steps.states[moving] += 1j * IMAGINARY * dx
+        steps.states[places] += 1j * IMAGINARY * dx
         steps.input[:] = engine.input + 1j * IMAGINARY * du
         steps.time[0] = time
         c, cdot = steps.constraints()
         acceleration, _ = steps.accelerations()
-        rates = np.array(steps.state_rates[moving])
+        rates = np.array(steps.state_rates[places])
         parts = (c, cdot, T.T @ acceleration, steps.sensors(), rates)
         return tuple(np.array(part.imag) / IMAGINARY for part in parts)
 
-    sizes = (nv, nv, len(moving), len(model.inputs))
-    lengths = (model.nrow, model.nrow, nv, model.nout, len(moving))
+    sizes = (nv, nv, len(places), len(model.inputs))
+    lengths = (model.nrow, model.nrow, nv, model.nout, len(places))
 
     def columns(which: int) -> list[Array]:
         """Return derivatives (rows, columns) by q, v, states or inputs (which = 0, 1, 2, 3)."""
@@ -227,6 +229,13 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
         return out
 
     by_q, by_v, by_x, by_u = (columns(which) for which in range(4))
+    # bristles follow the displacement as their rates follow the velocity: they are stiffness
+    stuck, n = by_v[4][len(moving) :], len(moving)
+    for matrix, bristle in zip(by_q[:4], by_x[:4], strict=True):
+        matrix += bristle[:, n:] @ stuck
+    by_x = [matrix[:, :n] for matrix in by_x]
+    for rows in (by_q, by_v, by_x, by_u):
+        rows[4] = rows[4][:n]
     Cq, Cdot = by_q[0], by_q[1]
     N, pseudo = free_motions(Cq)
     P = -pseudo @ (Cdot @ N)
@@ -308,6 +317,8 @@ def at_rest(model: Model, state: State) -> Rest:
     for one in (engine, twin):
         put(one, still, "modes")
     a, lam = (np.array(x) for x in engine.accelerations())
+    bristles = contact_states(model, STRETCH)
+    stuck, stretch = bristle_rates(twin, bristles, T, IMAGINARY), np.array(engine.states[bristles])
     twin.accelerations()  # evaluates the quantities that depend on the state alone
     twin.a[:], twin.lam[:] = a, lam
     M = T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[: model.nv, : model.nv] @ T
@@ -316,6 +327,7 @@ def at_rest(model: Model, state: State) -> Rest:
         """Return directional derivatives of C, r and Cq a along a motion."""
         twin.q[:] = displaced(model, state.q, 1j * IMAGINARY * (T @ move))
         twin.v[:] = 0.0
+        twin.states[bristles] = stretch + 1j * IMAGINARY * (stuck @ move)
         c, r = twin.constraints()[0], twin.residual()
         twin.v[:] = a
         turned = twin.constraints()[1]

@@ -14,10 +14,12 @@ from jousto.model.native.native import Engine, displaced
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.scales import largest_speed
 from jousto.simulation.check_bending import warn_far
+from jousto.simulation.contacts import contacts
 from jousto.simulation.controllers import hold_controllers, settle_controllers
 from jousto.simulation.modes.large import MANY
 from jousto.simulation.modes.linear import at_rest, body_frame_increments, stiffness_modes
 from jousto.simulation.state import State, put
+from jousto.simulation.statics.contact_rest import rest_on_contacts
 from jousto.simulation.statics.equilibrium_sparse import settle
 from jousto.simulation.statics.free_bodies import check_adrift
 from jousto.simulation.statics.neglected_stiffening import check_second_order
@@ -52,8 +54,10 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
         coordinates; the sparse iteration ends at increments of 1e-10 sizes of the mechanism.
 
     A `PID` has its coordinate at the reference, with the integral part that balances the loads.
-    Directions without stiffness, such as the spin of a rope between spherical joints, are allowed
-    if no force acts in them.
+    A mechanism with contacts settles on them by steps that start at rest; its bristles stick or
+    slip on the way from the state (`jousto.simulation.statics.contact_rest`). Directions without
+    stiffness, such as the spin of a rope between spherical joints, are allowed if no force acts in
+    them.
 
     Raises
     ------
@@ -87,6 +91,8 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
 def _rest(model: Model, state: State | None, tolerance: float) -> State:
     without_fmus(model, "equilibrium", "has no state at rest that is known")
     check_adrift(model, state)
+    if contacts(model):
+        return rest_on_contacts(model, state)
     try:
         return settle(model, state)
     except (SimulationError, RuntimeError, InputError) as error:

@@ -17,6 +17,7 @@ from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.scales import velocity_metres
+from jousto.simulation.contacts import contacts
 from jousto.simulation.controllers import without_controllers
 from jousto.simulation.modes.spectrum import blocks, newton_sparse
 from jousto.simulation.state import State, put
@@ -91,6 +92,12 @@ class Balance:
                     "sticks and slips, so that the equilibrium is not unique; give it "
                     "law=Regularised()",
                 )
+        for force in contacts(model) if not frictionless else ():
+            problems.add(
+                f"contact '{force.name}'",
+                "opens, closes and sticks, which a path does not follow; call equilibrium at each "
+                "load, starting from the state before",
+            )
         unit = None if axis is None else parse_direction(problems, where, "axis", axis)
         at = problems.array(where, "point", point, (3,))
         problems.raise_if_any()

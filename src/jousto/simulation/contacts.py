@@ -1,0 +1,56 @@
+"""Contacts of a model and the states of their bristles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.model.model import ForceModel, Model
+
+STRETCH = "stretch "
+"""Begin of the names of the states of a bristle: its stretch along three axes."""
+SINCE = "since"
+"""Name of the state of a contact that is the time of its last touch."""
+
+
+def contacts(model: Model) -> list[ForceModel]:
+    """Return the forces of a model by which bodies touch."""
+    return [force for force in model.forces if force.law.between and force.law.yields]
+
+
+def contact_states(model: Model, begin: str) -> NDArray[np.intp]:
+    """Return the indices of the states of contacts whose names have this begin."""
+    found = [
+        force.state + i
+        for force in contacts(model)
+        for i, name in enumerate(force.law.states)
+        if name.startswith(begin)
+    ]
+    return np.array(found, dtype=np.intp)
+
+
+def bristle_rates(twin: Any, places: NDArray[np.intp], columns: Any, tiny: float) -> Any:
+    """Return the derivatives (n, nv) of the rates of bristles with respect to velocities.
+
+    A bristle follows the displacement of the contact point as its rate follows the velocity.
+
+    Parameters
+    ----------
+    twin : Engine
+        With complex numbers, at a state at rest; its velocities are 0 afterwards.
+    places : (n,) array
+        Indices of the states of the bristles.
+    columns : (nv, nv) array
+        Velocities of the engine for each unknown.
+    tiny : float
+        Complex step.
+    """
+    out = np.zeros((len(places), columns.shape[1]))
+    for k in range(columns.shape[1] if len(places) else 0):
+        twin.v[:] = 1j * tiny * columns[:, k]
+        twin.accelerations()
+        out[:, k] = np.imag(twin.state_rates[places]) / tiny
+    twin.v[:] = 0.0
+    return out
