@@ -148,10 +148,8 @@ def measure_mujoco(n: int, rounds: int) -> float:
     """Microseconds of a step of 1 ms with Newton's solver."""
     import mujoco
 
-    balls = "".join(
-        f'<body pos="{x} {y} {z}"><freejoint/><geom type="sphere" size="{RADIUS}" mass="{MASS}"/></body>'
-        for x, y, z in places(n)
-    )
+    ball = f'<freejoint/><geom type="sphere" size="{RADIUS}" mass="{MASS}"/>'
+    balls = "".join(f'<body pos="{x} {y} {z}">{ball}</body>' for x, y, z in places(n))
     model = mujoco.MjModel.from_xml_string(
         f"""<mujoco><option timestep="0.001" solver="Newton"/><size memory="2G"/>
         <default><geom friction="{FRICTION}" condim="3"/></default>

@@ -135,6 +135,9 @@ static inline jo_real jo_maximum(jo_real x, jo_real y) { return jo_choose(JO_LES
 
 static inline double jo_larger(double a, double b) { return a > b ? a : b; }
 
+/* x = column i of A */
+static inline void jo_axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }
+
 #ifndef JO_VECTOR
 static inline jo_real jo_size(jo_real x) { return JO_RE(x) < 0.0 ? -x : x; }   /* |x|, with its derivative */
 static inline double jo_length(const jo_real *x, int n)

@@ -8,8 +8,6 @@
 #include "maximal/maximal.h"
 #include "force/force.h"
 
-static void axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }
-
 /* index of the first line among the rows of a joint */
 static int first_line(const jo_joint *k) { return (k->coincident ? 3 : 0) + k->nperp; }
 
@@ -62,8 +60,8 @@ static inline jo_real constraint_residual(const jo_model *m, jo_data *d, int joi
         c += 3;
     }
     for (int r = 0; r < k->nperp; r++) {
-        axis(x, a->A, k->perp_a[r]);
-        axis(y, b->A, k->perp_b[r]);
+        jo_axis(x, a->A, k->perp_a[r]);
+        jo_axis(y, b->A, k->perp_b[r]);
         c[r] = jo_dot3(x, y);
     }
     for (int l = 0; l < k->nline; l++) {
@@ -106,8 +104,8 @@ static inline jo_real constraint_residual_rate(const jo_model *m, jo_data *d, in
         jo_sub3(rel, y);
     }
     for (int r = 0; r < k->nperp; r++) {   /* (om_a - om_b) . (x_a x y_b) */
-        axis(x, a->A, k->perp_a[r]);
-        axis(y, b->A, k->perp_b[r]);
+        jo_axis(x, a->A, k->perp_a[r]);
+        jo_axis(y, b->A, k->perp_b[r]);
         jo_cross(s, x, y);
         c[r] = jo_dot3(rel, s);
     }
@@ -241,8 +239,8 @@ static inline void turn_axes(const jo_data *d, const jo_joint *k, jo_joint_work 
 {
     for (int r = 0; r < k->nperp; r++) {
         jo_real x[3], y[3];
-        axis(x, d->marker[k->side[0]].A, k->perp_a[r]);
-        axis(y, d->marker[k->side[1]].A, k->perp_b[r]);
+        jo_axis(x, d->marker[k->side[0]].A, k->perp_a[r]);
+        jo_axis(y, d->marker[k->side[1]].A, k->perp_b[r]);
         jo_cross(w->maximal.axes[r], x, y);
     }
 }
@@ -328,8 +326,8 @@ static inline void constraint_acceleration(const jo_model *m, const jo_data *d, 
     }
     for (int r = 0; r < k->nperp; r++) {
         jo_real f[3], h[3], fd[3], hd[3], fdd[3], hdd[3], al[3];
-        axis(f, d->marker[k->side[0]].A, k->perp_a[r]);
-        axis(h, d->marker[k->side[1]].A, k->perp_b[r]);
+        jo_axis(f, d->marker[k->side[0]].A, k->perp_a[r]);
+        jo_axis(h, d->marker[k->side[1]].A, k->perp_b[r]);
         jo_cross(fd, side[0].om, f);
         jo_cross(hd, side[1].om, h);
         jo_cross(fdd, side[0].om, fd);

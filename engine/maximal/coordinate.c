@@ -6,8 +6,6 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 
-static void axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }
-
 /* atan2(y, x); complex build: first-order expansion in the imaginary parts */
 jo_real jo_arc_tangent(jo_real y, jo_real x)
 {
@@ -44,14 +42,14 @@ void jo_coordinate_value(const jo_model *m, jo_data *d, int i)
     jo_sub3(r, a->r);
     switch (c->type) {
     case JO_COORDINATE_AXES:
-        axis(f, a->A, c->axis_a);
-        axis(h, b->A, c->axis_b);
+        jo_axis(f, a->A, c->axis_a);
+        jo_axis(h, b->A, c->axis_b);
         w->value = jo_dot3(f, h);
         jo_cross(w->turn_a, f, h);
         jo_cross(w->turn_b, h, f);
         break;
     case JO_COORDINATE_ALONG:
-        axis(f, a->A, c->axis_a);
+        jo_axis(f, a->A, c->axis_a);
         w->value = jo_dot3(f, r);
         jo_set3(w->along, f);
         jo_cross(w->turn_a, f, r);
@@ -60,11 +58,14 @@ void jo_coordinate_value(const jo_model *m, jo_data *d, int i)
         w->value = jo_sqrt(jo_dot3(r, r));
         for (int j = 0; j < 3; j++) w->along[j] = r[j] / w->value;
         break;
+    case JO_COORDINATE_RIM:
+    case JO_COORDINATE_ROLLED:
+    case JO_COORDINATE_ACROSS: jo_rolling_value(c, a, b, w); break;
     default: {   /* ANGLE: atan2(f_b . g_a, f_b . f_a) */
         jo_real g[3], u[3], v[3];
-        axis(f, a->A, 0);
-        axis(g, a->A, 1);
-        axis(h, b->A, 0);
+        jo_axis(f, a->A, 0);
+        jo_axis(g, a->A, 1);
+        jo_axis(h, b->A, 0);
         const jo_real x = jo_dot3(h, f), y = jo_dot3(h, g), s = 1.0 / (x * x + y * y);
         w->value = unwrapped(m, d, c, y, x);
         jo_cross(u, h, g);
@@ -109,15 +110,15 @@ void jo_coordinate_rate(const jo_model *m, jo_data *d, int i)
     w->rate = jo_dot3(w->along, v) + jo_dot3(w->turn_a, oma) + jo_dot3(w->turn_b, omb);
     switch (c->type) {
     case JO_COORDINATE_AXES:
-        axis(f, a->A, c->axis_a);
-        axis(h, b->A, c->axis_b);
+        jo_axis(f, a->A, c->axis_a);
+        jo_axis(h, b->A, c->axis_b);
         w->bias = second_order(f, oma, h, omb);
         break;
     case JO_COORDINATE_ALONG: {   /* 2 f' . v + (om x f') . r */
         jo_real fd[3], fdd[3], r[3];
         jo_set3(r, b->r);
         jo_sub3(r, a->r);
-        axis(f, a->A, c->axis_a);
+        jo_axis(f, a->A, c->axis_a);
         jo_cross(fd, oma, f);
         jo_cross(fdd, oma, fd);
         w->bias = 2.0 * jo_dot3(fd, v) + jo_dot3(fdd, r);
@@ -126,11 +127,19 @@ void jo_coordinate_rate(const jo_model *m, jo_data *d, int i)
     case JO_COORDINATE_DISTANCE:
         w->bias = (jo_dot3(v, v) - w->rate * w->rate) / w->value;
         break;
+    case JO_COORDINATE_RIM:
+    case JO_COORDINATE_ROLLED:
+    case JO_COORDINATE_ACROSS: {   /* change of the gradient with the motion */
+        jo_real along[3], turn_a[3], turn_b[3];
+        jo_rolling_change(c, a, b, v, oma, omb, along, turn_a, turn_b);
+        w->bias = jo_dot3(along, v) + jo_dot3(turn_a, oma) + jo_dot3(turn_b, omb);
+        break;
+    }
     default: {   /* (x y'' - y x'' - 2 s' (x x' + y y')) / (x^2 + y^2) */
         jo_real g[3], hd[3], fd[3], gd[3];
-        axis(f, a->A, 0);
-        axis(g, a->A, 1);
-        axis(h, b->A, 0);
+        jo_axis(f, a->A, 0);
+        jo_axis(g, a->A, 1);
+        jo_axis(h, b->A, 0);
         jo_cross(fd, oma, f);
         jo_cross(gd, oma, g);
         jo_cross(hd, omb, h);

@@ -61,6 +61,11 @@ typedef struct {
 void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accelerations, jo_motion *y);
 void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y);
 
+/* rolling_coordinate.c */
+void jo_rolling_value(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, jo_coordinate_work *w);
+void jo_rolling_change(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, const jo_real *dr, const jo_real *pa,
+                       const jo_real *pb, jo_real *along, jo_real *turn_a, jo_real *turn_b);
+
 /* coordinate.c */
 void jo_coordinate_value(const jo_model *m, jo_data *d, int coordinate);   /* computes value, gradient */
 void jo_coordinate_rate(const jo_model *m, jo_data *d, int coordinate);    /* rate, bias */

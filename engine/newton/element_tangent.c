@@ -1,5 +1,6 @@
 /* element_tangent.c - joint or force element between two markers in Newton's matrix, see jo_element of newton.h. */
 #include "newton/newton.h"
+#include "maximal/maximal.h"
 
 void jo_element_start(jo_element *e, int a, int b)
 {
@@ -131,6 +132,9 @@ static inline void gradient_change(const jo_data *d, const jo_coordinate *k, con
         for (int i = 0; i < 3; i++) c->along[i] = (dr[i] - s * w->along[i]) / w->value;
         break;
     }
+    case JO_COORDINATE_RIM:
+    case JO_COORDINATE_ROLLED:
+    case JO_COORDINATE_ACROSS: jo_rolling_change(k, a, b, dr, pa, pb, c->along, c->turn_a, c->turn_b); break;
     default: angle_change(a, b, pa, pb, c);
     }
 }

@@ -20,9 +20,6 @@ enum { JO_DR = 0, JO_DPHI = 3, JO_DV = 6, JO_DOM = 9, JO_OF_B = 12 };
  * with respect to [r_b - r_a, phi_a, phi_b]. */
 typedef struct { jo_real s[24], rate[24], G[9][9]; } jo_gradients;
 
-/* x = column i of A */
-static inline void jo_axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }
-
 void jo_element_start(jo_element *e, int a, int b);
 void jo_element_skew(jo_element *e, int i, int j, jo_real s, const jo_real *a);   /* Y(i.., j..) += s a~ */
 void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e);   /* add to Newton's matrix */

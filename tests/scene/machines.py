@@ -46,8 +46,15 @@ def ball(name: str, position: Any = (0, 0, 0), **more: Any) -> jo.RigidBody:
 
 
 def joint_of(kind: Any, a: Any, b: Any) -> Any:
-    """Return a joint of each kind between two origins that coincide, or stand apart for a rod."""
-    return kind("joint", a, b, 0.3) if kind.tag == "screw" else kind("joint", a, b)
+    """Return a joint of each kind between two origins that coincide, or stand apart (APART)."""
+    more: dict[str, Any] = {"axle": (0, 1, 0)} if kind.tag.startswith("rolling") else {}
+    if kind.tag == "knife-edge":
+        more = {"across": (0, 1, 0)}
+    numbers = (0.3,) if kind.tag == "screw" or "axle" in more else ()
+    return kind("joint", a, b, *numbers, **more)
+
+
+APART = {"rod": (0.7, 0.2, 0.4), "rolling-disc": (0, 0, 0.3), "rolling-wheel": (0, 0, 0.3)}
 
 
 JOINTS = kinds("joints", "jousto.mechanism.joints")
@@ -57,7 +64,7 @@ SENSORS = kinds("sensors", "jousto.mechanism.sensors")
 
 
 def jointed(kind: Any) -> jo.Mechanism:
-    one, two = ball("one"), ball("two", (0.7, 0.2, 0.4) if kind.tag == "rod" else (0, 0, 0))
+    one, two = ball("one"), ball("two", APART.get(kind.tag, (0, 0, 0)))
     return jo.Mechanism(one, two, joint_of(kind, one["origin"], two["origin"]))
 
 

@@ -31,6 +31,11 @@ from .forces.plastic import PlasticSpring as PlasticSpring
 from .forces.springs import ModalLoad as ModalLoad
 from .forces.stop import Stop as Stop
 from .joints.directions import ParallelAxes as ParallelAxes, Perpendicular as Perpendicular
+from .joints.rolling import (
+    KnifeEdge as KnifeEdge,
+    RollingDisc as RollingDisc,
+    RollingWheel as RollingWheel,
+)
 from .joints.switched import Lock as Lock, RigidStop as RigidStop
 from .numbers import with_numbers as with_numbers
 from .sensors.body import (

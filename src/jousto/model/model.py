@@ -124,7 +124,7 @@ class MarkerModel:
 
 @dataclass(frozen=True)
 class CoordinateModel:
-    """A scalar function of the markers a and b: "axes", "along", "distance" or "angle"."""
+    """A scalar function of markers a and b: "axes", "along", "distance", "angle", or of a disc."""
 
     name: str
     kind: str
@@ -132,6 +132,7 @@ class CoordinateModel:
     b: int
     axis_a: int = 2
     axis_b: int = 2
+    radius: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -92,10 +92,13 @@ class Builder:
         """Return the index of a coordinate."""
         a = self.marker(coordinate.a, coordinate.turns_a)
         b = self.marker(coordinate.b, coordinate.turns_b)
-        key = ("coordinate", coordinate.engine, a, b, coordinate.column)
+        radius = float(np.real(getattr(coordinate, "radius", 0.0)))
+        key = ("coordinate", coordinate.engine, a, b, coordinate.column, radius)
         if key not in self._places:
             self._places[key] = len(self.coordinates)
-            made = CoordinateModel(coordinate.name, coordinate.engine, a, b, coordinate.column)
+            made = CoordinateModel(
+                coordinate.name, coordinate.engine, a, b, coordinate.column, radius=radius
+            )
             self.coordinates.append(made)
         return self._places[key]
 

@@ -25,7 +25,8 @@ STEEL = "#5A6472"
 KINDS = {
     **dict.fromkeys(("hinge", "revolute", "spherical", "universal"), "hinge"),
     **dict.fromkeys(("slide", "prismatic", "cylindrical", "screw", "planar"), "slide"),
-    **dict.fromkeys(("point-on-line", "point-on-plane"), "slide"),
+    **dict.fromkeys(("point-on-line", "point-on-plane", "knife-edge"), "slide"),
+    **dict.fromkeys(("rolling-disc", "rolling-wheel"), "slide"),
     **{kind: kind for kind in ("fixed", "rod", "spring", "damper", "actuator", "bushing")},
     "spring-damper": "spring",
 }
