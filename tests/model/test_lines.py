@@ -8,9 +8,9 @@ import pytest
 import jousto as jo
 from jousto.base.declare import kinds
 from jousto.mechanism.joints import coupling as c
-from jousto.mechanism.joints.hinges import Revolute, Screw
-from jousto.mechanism.joints.points import Rod
+from jousto.mechanism.joints.hinges import Revolute
 from jousto.mechanism.signals.piecewise import SCurve
+from scene.machines import APART, joint_of
 
 
 def body(name, position=(0, 0, 0), **more):
@@ -20,17 +20,11 @@ def body(name, position=(0, 0, 0), **more):
     )
 
 
-def joint_of(kind, a, b):
-    """Return a joint of each kind between two origins that coincide, or stand apart for a rod."""
-    return kind("joint", a, b, 0.3) if kind is Screw else kind("joint", a, b)
-
-
 @pytest.mark.parametrize("kind", kinds("joints", "jousto.mechanism.joints").values())
 @pytest.mark.filterwarnings("ignore::jousto.base.errors.JoustoWarning")
 def test_accelerations_keep_the_rows_closed(kind):
     """One step without projection leaves C and Cq v at O(h^5): rows, rates, biases agree."""
-    offset = (0.7, 0.2, 0.4) if kind is Rod else (0, 0, 0)
-    one, two = body("one"), body("two", offset)
+    one, two = body("one"), body("two", APART.get(kind.tag, (0, 0, 0)))
     model = jo.compile(jo.Mechanism(one, two, joint_of(kind, one["origin"], two["origin"])))
     engine = jo.model.Engine(model)
     random = np.random.default_rng(7)
