@@ -203,6 +203,6 @@ void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i, const jo_weigh
         for (int j = 0; j < 2; j++) N[k][j] = jo_newton_find(m, d, body[k], body[j]);
     }
     momenta(b, e, f, T, p);
-    translation(N, b, c, e, f, turn, d->beams.work[i].offset);
+    translation(N, b, c, e, f, turn, jo_beam_kind(b->data) & JO_BEAM_OFFSET);
     rotation(N, b, c, e, p);
 }

@@ -48,6 +48,13 @@ static inline void jo_keep_rates(const jo_data *d, int j, const jo_real *rate)
 /* result_row.c */
 int jo_write_row(const jo_model *m, jo_data *d, jo_real *row);
 
+/* alpha_motion.c */
+int jo_alpha_continues(const jo_model *m, const jo_data *d, double h);
+void jo_alpha_update(const jo_model *m, jo_data *d, const jo_solver *s);
+void jo_alpha_tangents(const jo_model *m, jo_data *d);
+void jo_alpha_add(const jo_model *m, jo_data *d, const jo_weights *c, const jo_real *x, double share);
+void jo_alpha_predict(const jo_model *m, jo_data *d, const jo_solver *s, double ahead);
+
 /* iteration_limit.c */
 void jo_iteration_limit_forget(jo_data *d);
 double jo_iteration_ahead(const jo_model *m, const jo_data *d, const jo_solver *s);

@@ -39,11 +39,14 @@ static double norm(const jo_model *m, const jo_data *d, const jo_real *x)
     return sqrt(sum);
 }
 
-/* norm of the second difference with the accelerations in `rate`; overwrites dq */
+/* norm of the second difference with the accelerations in `rate`; overwrites dv */
 static double second_difference(const jo_model *m, jo_data *d)
 {
-    for (int i = 0; i < d->nw; i++) d->dq[i] = d->rate[i] - d->alpha.algorithmic[i] - d->alpha.change[i];
-    return norm(m, d, d->dq);
+    const jo_real *present = d->rate, *old = d->alpha.algorithmic, *change = d->alpha.change;
+    jo_real *y = d->dv;
+    const int n = d->nw;
+    JO_EACH(i, n) JO_STORE(y + i) = JO_LOAD(present + i) - JO_LOAD(old + i) - JO_LOAD(change + i);
+    return norm(m, d, y);
 }
 
 /* share of the last change of accelerations and multipliers that the prediction adds: 1, or 0 for those of the last step. Redundant rows
@@ -55,7 +58,7 @@ double jo_iteration_ahead(const jo_model *m, const jo_data *d, const jo_solver *
 }
 
 /* largest increment of the algorithmic accelerations, in the metric of the masses, that does not matter beside the error of the step with
- * the accelerations in `rate`; 0 if the error is unknown. Overwrites dq. */
+ * the accelerations in `rate`; 0 if the error is unknown. Overwrites dv. */
 double jo_iteration_limit(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double mean = JO_RE(d->alpha.estimate[JO_MEAN]);
@@ -78,11 +81,14 @@ void jo_iteration_limit_update(const jo_model *m, jo_data *d, const jo_solver *s
     const int due = steps >= 0 && steps % JO_WINDOW == 0;
     const double second = due && steps ? second_difference(m, d) : 0.0;
     for (int i = 0; i < m->nrow; i++) d->alpha.change_lam[i] = d->lam[i] - d->alpha.end_lam[i];
-    for (int i = 0; i < d->nw; i++) d->alpha.change[i] = d->rate[i] - d->alpha.algorithmic[i];
+    const jo_real *present = d->rate, *old = d->alpha.algorithmic;
+    jo_real *change = d->alpha.change;
+    const int n = d->nw;
+    JO_EACH(i, n) JO_STORE(change + i) = JO_LOAD(present + i) - JO_LOAD(old + i);
     if (!due) return;
     if (steps) {
-        for (int i = 0; i < d->nw; i++) d->dq[i] = d->alpha.change[i] - d->alpha.first_change[i];
-        e[JO_MEAN] = norm(m, d, d->dq) / JO_WINDOW;
+        for (int i = 0; i < d->nw; i++) d->dv[i] = d->alpha.change[i] - d->alpha.first_change[i];
+        e[JO_MEAN] = norm(m, d, d->dv) / JO_WINDOW;
         e[JO_AHEAD] = second < JO_SMOOTH * norm(m, d, d->alpha.change) ? 1.0 : 0.0;
     }
     for (int i = 0; i < d->nw; i++) d->alpha.first_change[i] = d->alpha.change[i];

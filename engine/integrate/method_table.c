@@ -55,6 +55,6 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
         if (!s->projection) jo_coordinates(m, d, m->ncoordinate);
         jo_count_turns(m, d);
     }
-    if (m->nbeam) jo_beam_accept(m, d);
+    if (m->nbeam) jo_beam_accept(d);
     return jo_check(m, d);
 }

@@ -290,7 +290,7 @@ static int accept_step(const jo_model *m, jo_data *d, const jo_solver *s, planne
     else if (m->nturn) jo_count_turns(m, d);
     jo_sync_maximal_state(m, d, JO_SYNC_STATE);   /* needed after the location of an event */
     update_extent(m, d);
-    if (m->nbeam) jo_beam_accept(m, d);
+    if (m->nbeam) jo_beam_accept(d);
     jo_damage_outdated(d);
     c->found = found;
     if (!found) c->chain = 0;

@@ -15,6 +15,7 @@
 #include "beam/beam.h"
 #include "integrate/integrate.h"
 #include "integrate/acceleration_size.h"
+#include <string.h>
 
 #define JO_SLOW_GAIN 0.1        /* ratio of successive increments above which stored factors are renewed */
 /* rotation of a body, rad, since the computation of the factors, up to which they are used to close its joints */
@@ -25,7 +26,6 @@
 #define JO_DAMPED_ITERATIONS 5  /* limit of the iterations with shortened increments, relative to the normal limit */
 #define JO_POSITION_ROUNDING 2.2e-15   /* rounding of positions / size of the mechanism: ten times DBL_EPSILON */
 #define JO_STOPPING_SHARE2 1e-6 /* square of the weight (1e-3) in the reference of the accelerations that stop all bodies within one step */
-#define JO_SAME_TIME 1e-6       /* difference of times / step that counts as equal */
 #define JO_MIN_REDUCTION 0.5    /* ratio of successive residuals above which the joints are not corrected again */
 
 #ifdef JO_COMPLEX
@@ -113,39 +113,9 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
     return status == JO_BENT ? JO_OK : status;
 }
 
-/* whether time, q and v are those at the end of the last step */
-static int continues(const jo_model *m, const jo_data *d, double h)
-{
-    if (!jo_history_valid(d) || !(fabs(JO_RE(d->time[0] - *d->alpha.end_time)) < JO_SAME_TIME * h)) return 0;
-    for (int i = 0; i < m->nq; i++)
-        if (d->q[i] != d->alpha.end_q[i]) return 0;
-    for (int i = 0; i < d->nw; i++)
-        if (d->v[i] != d->alpha.end_v[i]) return 0;
-    return 1;
-}
-
-/* q, v by the Newmark formulas from the algorithmic acceleration a1 in `rate`, and tangent operators of the increments */
-static void update_state(const jo_model *m, jo_data *d, const jo_solver *s)
-{
-    const double h = s->step, b = s->newmark_beta, g = s->newmark_gamma;
-    for (int i = 0; i < d->nw; i++) {
-        d->dq[i] = h * (d->v0[i] + h * ((0.5 - b) * d->alpha.algorithmic[i] + b * d->rate[i]));
-        d->v[i] = d->v0[i] + h * ((1.0 - g) * d->alpha.algorithmic[i] + g * d->rate[i]);
-    }
-    jo_add_increment(m, d->q, d->q0, d->dq);
-    for (int i = 0; i < m->nbody; i++) {   /* E - f1 theta~ + f2 theta~ theta~ */
-        const jo_real *x = d->dq + m->body[i].iv + 3, square = jo_dot3(x, x);
-        jo_real *T = d->body[i].turn, f[3];
-        jo_sinc(square, f);
-        for (int r = 0; r < 3; r++)
-            for (int c = 0; c < 3; c++) T[3 * r + c] = f[2] * x[r] * x[c] + (r == c ? 1.0 - f[2] * square : 0.0);
-        T[1] += f[1] * x[2]; T[2] -= f[1] * x[1]; T[3] -= f[1] * x[2];
-        T[5] += f[1] * x[0]; T[6] += f[1] * x[1]; T[7] -= f[1] * x[0];
-    }
-}
-
 static int factor_matrix(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
+    jo_alpha_tangents(m, d);
     int status = jo_newton_assemble(m, d, stage);
     if (status != JO_OK) return status;
     status = jo_newton_factor(m, d, m->redundant > 0);
@@ -188,23 +158,6 @@ static jo_real *solution_of(const jo_model *m, jo_data *d, int item)
     return jo_newton_vector(d) + jo_newton_place(m, item);
 }
 
-/* unknowns += share x, in the layout of d->newton.x: a1 in rate, accelerations a, multipliers */
-static void add_solution(const jo_model *m, jo_data *d, const jo_weights *c, const jo_real *x, double share)
-{
-    for (int i = 0; i < m->nbody; i++) {
-        const jo_real *y = x + jo_newton_place(m, i);
-        const int iv = m->body[i].iv;
-        for (int j = 0; j < 6 + m->body[i].n; j++) {
-            d->rate[iv + j] += share * y[j];
-            d->a[iv + j] += share * c->a * y[j];
-        }
-    }
-    for (int i = 0; i < m->njoint; i++) {
-        const jo_real *y = x + jo_newton_place(m, m->nbody + i);
-        for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] += share * y[r];
-    }
-}
-
 /* Damping at kinks of force laws, where Newton's method alternates between branches. The last increment, of norm `size`, is halved until the
  * next simplified increment is shorter (natural monotonicity test: Deuflhard, Newton Methods for Nonlinear Problems, 2011, ch. 3).
  * Returns the remaining share; 0: none was found. */
@@ -213,8 +166,8 @@ static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const j
     double share = 1.0;
     for (int i = 0; i < m->nv + m->nrow; i++) d->alpha.whole[i] = jo_newton_vector(d)[i];
     for (int k = 0; k < JO_MAX_HALVINGS; k++, share *= 0.5) {
-        if (k) add_solution(m, d, &stage->weights, d->alpha.whole, -share);
-        update_state(m, d, s);
+        if (k) jo_alpha_add(m, d, &stage->weights, d->alpha.whole, -share);
+        jo_alpha_update(m, d, s);
         d->counts.evaluations++;
         if (jo_residual_at(m, d, stage, d->acc) != JO_OK) continue;   /* no residual can be computed, as with a folded beam */
         right_hand_side(m, d, &stage->weights, 0);
@@ -237,7 +190,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
     double limit = 0.0;   /* of increments, by the error of the step */
     int after = -1;
     for (int k = 0; k < most_iterations; k++) {
-        update_state(m, d, s);
+        jo_alpha_update(m, d, s);
         int status = jo_residual_at(m, d, stage, d->acc);
         if (status != JO_OK) return status;
         d->counts.evaluations++;
@@ -256,7 +209,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
             if (rounding) rounding = part <= resolution(m, d, &stage->weights, i);
             if (!(part <= most)) { most = part; d->error_index = i; }
         }
-        add_solution(m, d, &stage->weights, jo_newton_vector(d), 1.0);
+        jo_alpha_add(m, d, &stage->weights, jo_newton_vector(d), 1.0);
         size = sqrt(size);
         if (!isfinite(size)) return JO_NO_CONVERGENCE;
         if (JO_LOOSE && k == 0 && !damped) limit = jo_iteration_limit(m, d, s);
@@ -264,7 +217,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
         *close = k && size <= limit && size * gain <= JO_SLOW_GAIN * (1.0 - gain) * limit && limit > 0.0;
         if (*close) return JO_OK;
         double beam_forces = 0.0;
-        for (int i = 0; i < m->nbeam; i++) beam_forces += jo_beam_force_norm(m, d, i);
+        if (m->nbeam) beam_forces = jo_beam_force_norm(d);
         if (beam_forces < elastic) elastic = beam_forces;
         const double work = sqrt(reference(m, d, s->step) + elastic), small = s->tolerance * work;
         if (s->tolerance <= 0.0) {   /* a fixed number of iterations */
@@ -386,28 +339,15 @@ static double fastest_turn(const jo_model *m, const jo_data *d)
     return sqrt(square);
 }
 
-/* prediction: algorithmic acceleration and multipliers of the last step, plus their last change times `ahead` */
-static void predict(const jo_model *m, jo_data *d, const jo_solver *s, double ahead)
-{
-    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->alpha.end_lam[i] + ahead * d->alpha.change_lam[i];
-    for (int i = 0; i < d->nw; i++) {
-        const jo_real more = ahead * d->alpha.change[i];
-        d->rate[i] = d->alpha.algorithmic[i] + more;
-        d->a[i] = (d->alpha.algorithmic[i] + (1.0 - s->alpha_m) * more - s->alpha_f * d->alpha.end_a[i]) / (1.0 - s->alpha_f);
-    }
-}
-
 /* end of a step whose iteration has converged: state, history, work, projection */
 static int accept(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, int close)
 {
     int status = JO_OK;
-    update_state(m, d, s);
+    jo_alpha_update(m, d, s);
     if (m->nstate) status = jo_residual_at(m, d, stage, d->acc);   /* states of the forces after the last increment */
     jo_iteration_limit_update(m, d, s);
-    for (int i = 0; i < d->nw; i++) {
-        d->alpha.algorithmic[i] = d->rate[i];
-        d->alpha.end_a[i] = d->a[i];
-    }
+    memcpy(d->alpha.algorithmic, d->rate, (size_t)d->nw * sizeof(jo_real));
+    memcpy(d->alpha.end_a, d->a, (size_t)d->nw * sizeof(jo_real));
     for (int i = 0; i < m->nrow; i++) d->alpha.end_lam[i] = d->lam[i];
     if (status == JO_OK) status = finish_work(m, d, s->step, close);
     if (status == JO_OK && s->projection && m->njoint) status = close_joints(m, d, stage);
@@ -425,7 +365,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
     const jo_weights old = d->alpha.weights;
     const jo_weights weights = {(1.0 - am) / (1.0 - af), g * h, b * h * h, 1.0 / (s->projection ? g * h : b * h * h),
                                 !s->projection, s->plain_inertia};
-    if (!continues(m, d, h)) {
+    if (!jo_alpha_continues(m, d, h)) {
         jo_history_begins(d);
         jo_iteration_limit_forget(d);
         d->alpha.forces_read = forces_read(m);
@@ -437,11 +377,11 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
     d->alpha.weights = weights;
     const jo_stage stage = {.weights = weights};
     const jo_real t0 = d->time[0];
-    for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
-    for (int i = 0; i < d->nw; i++) d->v0[i] = d->v[i];
+    memcpy(d->q0, d->q, (size_t)m->nq * sizeof(jo_real));
+    memcpy(d->v0, d->v, (size_t)d->nw * sizeof(jo_real));
     d->time[0] = t0 + h;
     d->alpha.aged += h * fastest_turn(m, d);
-    predict(m, d, s, JO_LOOSE ? jo_iteration_ahead(m, d, s) : 0.0);
+    jo_alpha_predict(m, d, s, JO_LOOSE ? jo_iteration_ahead(m, d, s) : 0.0);
     const long long passed = d->counts.singular;
     int close = 0, status = newton(m, d, s, &stage, 0, &close);
     /* without convergence: repeat with new factors in every iteration, then with shortened increments (kinks) */
@@ -451,7 +391,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
         exact.modified = 0;
         jo_newton_outdated(d);
         d->counts.singular = passed;   /* positions of the failed attempt are not counted */
-        predict(m, d, s, 0.0);
+        jo_alpha_predict(m, d, s, 0.0);
         status = newton(m, d, &exact, &stage, damped, &close);
     }
     if (status == JO_OK) status = accept(m, d, s, &stage, close);
@@ -462,8 +402,8 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
         jo_history_lost(d);
         return status;
     }
-    for (int i = 0; i < m->nq; i++) d->alpha.end_q[i] = d->q[i];
-    for (int i = 0; i < d->nw; i++) d->alpha.end_v[i] = d->v[i];
+    memcpy(d->alpha.end_q, d->q, (size_t)m->nq * sizeof(jo_real));
+    memcpy(d->alpha.end_v, d->v, (size_t)d->nw * sizeof(jo_real));
     *d->alpha.end_time = d->time[0];
     jo_history_written(d);
     return JO_OK;

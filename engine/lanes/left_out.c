@@ -30,9 +30,9 @@ void jo_damage_layout(const jo_model *m, jo_data *d, jo_arena *a)
 }
 
 /* beams */
-void jo_beam_accept(const jo_model *m, jo_data *d)
+void jo_beam_accept(jo_data *d)
 {
-    (void)m; (void)d;
+    (void)d;
 }
 int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a)
 {
@@ -56,17 +56,17 @@ void jo_coupled_second(const jo_model *m, jo_data *d, const jo_real *a, const jo
 {
     (void)m; (void)d; (void)a; (void)x; (void)z;
 }
-void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y)
+void jo_beam_section(const jo_data *d, int i, jo_real *y)
 {
-    (void)m; (void)d; (void)i; (void)y;
+    (void)d; (void)i; (void)y;
 }
 void jo_beam_setup(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
-jo_real jo_beam_stored(const jo_model *m, const jo_data *d)
+jo_real jo_beam_stored(const jo_data *d)
 {
-    (void)m; (void)d;
+    (void)d;
     return jo_same(0.0);
 }
 int jo_couples(const jo_model *m, const jo_stage *stage)

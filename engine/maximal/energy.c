@@ -41,7 +41,7 @@ void jo_energy(const jo_model *m, jo_data *d, jo_energies *out)
     }
     if (m->nbeam) {
         T += jo_beam_kinetic(m, d);
-        U += jo_beam_stored(m, d);
+        U += jo_beam_stored(d);
     }
     out->kinetic = T;
     out->strain = U;

@@ -256,11 +256,11 @@ static void multiplier(const jo_model *m, const jo_data *d, const jo_sensor *s, 
 }
 
 /* components other .. other + count - 1 of the 24 strains and resultants of a beam element */
-static void section(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
+static void section(const jo_data *d, const jo_sensor *s, jo_real *y)
 {
     jo_real all[24] = {0.0};
     const int first = s->other > 0 ? s->other : 0;
-    jo_beam_section(m, d, s->object, all);
+    jo_beam_section(d, s->object, all);
     for (int i = 0; i < s->count; i++) y[i] = first + i < 24 ? all[first + i] : jo_same(0.0);
 }
 
@@ -330,7 +330,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
             for (int k = 0; k < s->count / 2; k++) jo_damage_read(m, d, s->object + k, y + 2 * k);
             break;
         case JO_SENSOR_BRIDGE: bridge(m, d, s, y); break;
-        case JO_SENSOR_SECTION: section(m, d, s, y); break;
+        case JO_SENSOR_SECTION: section(d, s, y); break;
         case JO_SENSOR_BODY_LOAD:
         case JO_SENSOR_MODAL_LOAD: jo_load_sensor(m, d, s, y); break;
         case JO_SENSOR_FORCE_STATE: jo_force_state(m, d, s->object, s->other, y); break;

@@ -160,6 +160,27 @@ static inline void modal_column(const inertia *s, int k)
     }
 }
 
+/* F = m acc, T = J w' + w x J w of a rigid body with its mass centre at the origin of its frame; ca, cv: weights with damping */
+static void centred_block(const jo_body *b, const jo_body_work *w, jo_block N, jo_real ca, jo_real cv)
+{
+    const jo_real *x = w->J, J[9] = {x[0], x[5], x[4], x[5], x[1], x[3], x[4], x[3], x[2]};
+    jo_real T[9];
+    for (int i = 0; i < 9; i++) T[i] = ca * J[i];
+    if (cv != 0.0) {
+        jo_real W[9] = {0.0}, WJ[9], t[3];
+        jo_sym3(t, w->J, w->w);
+        jo_add_skew(W, cv, w->w);
+        jo_mul33(WJ, W, J);
+        for (int i = 0; i < 9; i++) T[i] += WJ[i];
+        jo_add_skew(T, -cv, t);
+    }
+    for (int i = 0; i < 3; i++) {
+        jo_real *row = N.at + (3 + i) * N.stride + 3;
+        N.at[i * (N.stride + 1)] += ca * b->mass[0];
+        for (int j = 0; j < 3; j++) row[j] += T[3 * i + j];
+    }
+}
+
 void jo_newton_body(const jo_model *m, jo_data *d, const jo_stage *stage, int body)
 {
     const jo_body *b = &m->body[body];
@@ -170,6 +191,10 @@ void jo_newton_body(const jo_model *m, jo_data *d, const jo_stage *stage, int bo
     inertia x = {b, &d->body[body], d->newton.Dd, d->newton.H, jo_newton_find(m, d, body, body), alpha, c->a + alpha * c->v,
                  c->plain ? 0.0 : c->v, c->plain ? 0.0 : c->q, a + 3, a + 6, {0.0}, {0.0}, {0.0}, {0.0}};
     jo_real t[3];
+    if (jo_newton_centred(m, d, body)) {
+        centred_block(b, x.w, x.N, x.ca, x.cv);
+        return;
+    }
     jo_set3(t, a);
     jo_sub3(t, m->gravity);
     jo_mul3t(x.acc, x.w->A, t);

@@ -165,7 +165,7 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stag
                 d->newton.sum[i] = -stage->gh * d->v[i];
                 d->newton.lag[i] = 0.0;
             }
-            jo_beam_lag(m, d, d->newton.sum, 0, d->newton.lag);
+            jo_beam_lag(d, d->newton.sum, 0, d->newton.lag);
         }
     }
     jo_coupled_solve(m, d, stage);
@@ -175,7 +175,7 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stag
 void jo_coupled_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z)
 {
     for (int i = 0; i < m->nv; i++) d->newton.lag[i] = jo_same(0.0);
-    jo_beam_lag(m, d, x, z, d->newton.lag);
+    jo_beam_lag(d, x, z, d->newton.lag);
 }
 
 void jo_coupled_second(const jo_model *m, jo_data *d, const jo_real *a, const jo_real *x, const jo_real *z)

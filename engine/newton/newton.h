@@ -55,11 +55,14 @@ void jo_newton_layout(const jo_model *m, jo_data *d, jo_arena *a);
 typedef struct { jo_real *at; int stride; } jo_block;
 jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y);   /* rows of x, columns of y: bodies, then joints */
 int jo_newton_factor(const jo_model *m, jo_data *d, int redundant);
+
+/* newton_solve.c */
 void jo_newton_solve(const jo_model *m, jo_data *d);
 
 /* newton_residual.c */
 int jo_residual_at(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real *r);   /* residual for the stage of an implicit method */
 void jo_equations_residual(const jo_model *m, const jo_data *d, jo_real *r);   /* M a - [fr, fp] */
+int jo_newton_centred(const jo_model *m, const jo_data *d, int body);   /* whether it is rigid, its mass centre at the origin of its frame */
 
 /* body_tangent.c */
 void jo_newton_body(const jo_model *m, jo_data *d, const jo_stage *stage, int body);

@@ -4,6 +4,8 @@
 
 #include "small.h"
 
+enum { JO_SIX = 6, JO_ROW = 8 };   /* unknowns of a rigid body or of a node of a beam; length of a row of its block, padded */
+
 /* Derivatives of the motion and of the loads of a marker. */
 typedef struct {
     jo_real *L;             /* (6 x 6 + n) derivatives of [r, rotation], world, with respect to the coordinates of the body */

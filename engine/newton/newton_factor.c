@@ -2,7 +2,7 @@
  *
  * Elimination order and fill-in are constants of the model. A node is a body with the joints to its parent, which makes its pivot block
  * regular; rows are exchanged within a node only. After the factorisation a diagonal block contains its LU factors (of six unknowns:
- * their inverses), the block to its right A_cc^-1 A_cj, the block below it A_ic.
+ * its inverse), the block to its right A_cc^-1 A_cj, the block below it A_ic; all by columns between nodes of six unknowns.
  */
 #include "valid.h"
 #include "newton/newton.h"
@@ -97,88 +97,101 @@ static inline int factor_dense(jo_real *restrict A, const int n, const int strid
     return -1;
 }
 
-/* Kernels for blocks of six unknowns (rigid bodies, nodes of beams), with unrolled loops. L and U are replaced by their inverses: products
- * with these have shorter dependency chains than substitutions. */
-enum { JO_SIX = 6, JO_ROW = 8 };
+/* Kernels for blocks of six unknowns (rigid bodies, nodes of beams), with unrolled loops. The diagonal block becomes its inverse: products
+ * with it have shorter dependency chains than substitutions. */
 
-/* L and U of a 6 x 6 block replaced by L^-1 and U^-1 */
-static void invert_six(jo_real *restrict A)
+/* unit vectors, and ones elsewhere, padded */
+static const jo_real units[JO_SIX][JO_ROW] = {{1, 0, 0, 0, 0, 0}, {0, 1, 0, 0, 0, 0}, {0, 0, 1, 0, 0, 0},
+                                              {0, 0, 0, 1, 0, 0}, {0, 0, 0, 0, 1, 0}, {0, 0, 0, 0, 0, 1}};
+static const jo_real others[JO_SIX][JO_ROW] = {{0, 1, 1, 1, 1, 1}, {1, 0, 1, 1, 1, 1}, {1, 1, 0, 1, 1, 1},
+                                               {1, 1, 1, 0, 1, 1}, {1, 1, 1, 1, 0, 1}, {1, 1, 1, 1, 1, 0}};
+
+/* A = A^-1 by Gauss-Jordan elimination with partial pivoting, arguments and result as of factor_dense */
+static int invert_six(jo_real *restrict A, int *pivot, const double *column, double *row, const double vanished)
 {
-    jo_real x[JO_SIX];
-    for (int i = 1; i < JO_SIX; i++) {
-        jo_real *row = A + i * JO_ROW;
-        for (int j = 0; j < i; j++) {
-            x[j] = -row[j];
-            for (int k = j + 1; k < i; k++) x[j] -= row[k] * A[k * JO_ROW + j];
+    for (int k = 0; k < JO_SIX; k++) {
+        jo_real *pivot_row = A + k * JO_ROW;
+        int best = k;
+        double value = 0.0;
+        for (int i = k; i < JO_SIX; i++) {
+            const double x = fabs(JO_RE(A[i * JO_ROW + k]));
+            if (!(x <= value)) { value = x; best = i; }
         }
-        for (int j = 0; j < i; j++) row[j] = x[j];
-    }
-    for (int i = JO_SIX - 2; i >= 0; i--) {
-        jo_real *row = A + i * JO_ROW;
-        for (int j = i + 1; j < JO_SIX; j++) {
-            x[j] = 0.0;
-            for (int k = i + 1; k <= j; k++) x[j] -= row[k] * A[k * JO_ROW + j];
+        pivot[k] = best;
+        if (best != k) {
+            swap_rows(pivot_row, A + best * JO_ROW, JO_SIX);
+            swap(row + k, row + best);
         }
-        for (int j = i + 1; j < JO_SIX; j++) row[j] = row[i] * x[j];
+        if (!(value > vanished * row[k] * column[k])) return k;
+        /* column k becomes that of the inverse, without stores of single numbers, for which the loads of rows would wait */
+        const jo_real inverse = 1.0 / pivot_row[k];
+        JO_EACH(j, JO_SIX)
+            JO_STORE(pivot_row + j) = inverse * (JO_LOAD(others[k] + j) * JO_LOAD(pivot_row + j) + JO_LOAD(units[k] + j));
+        for (int i = 0; i < JO_SIX; i++) {
+            if (i == k) continue;
+            jo_real *x = A + i * JO_ROW;
+            const jo_real s = x[k];
+            JO_EACH(j, JO_SIX) JO_STORE(x + j) = JO_LOAD(others[k] + j) * JO_LOAD(x + j) - s * JO_LOAD(pivot_row + j);
+        }
     }
+    for (int k = JO_SIX - 1; k >= 0; k--)   /* exchanges of rows are exchanges of columns of the inverse */
+        for (int i = 0; i < JO_SIX && pivot[k] != k; i++) {
+            const jo_real t = A[i * JO_ROW + k];
+            A[i * JO_ROW + k] = A[i * JO_ROW + pivot[k]];
+            A[i * JO_ROW + pivot[k]] = t;
+        }
+    return -1;
 }
 
-/* B = A^-1 B for `padded` columns */
-static inline void solve_six_rows(const jo_real *restrict A, const int *pivot, jo_real *restrict B, const int padded)
+/* B = A B for `padded` columns, A (6 x 6) */
+static inline void multiply_six_rows(const jo_real *restrict A, jo_real *restrict B, const int padded)
 {
-    for (int k = 0; k < JO_SIX; k++)
-        if (pivot[k] != k) swap_rows(B + k * padded, B + pivot[k] * padded, padded);
     JO_EACH(j, padded) {
         jo_lanes b[JO_SIX];
         for (int i = 0; i < JO_SIX; i++) b[i] = JO_LOAD(B + i * padded + j);
-        for (int i = JO_SIX - 1; i > 0; i--)
-            for (int k = 0; k < i; k++) b[i] += A[i * JO_ROW + k] * b[k];
         for (int i = 0; i < JO_SIX; i++) {
-            b[i] *= A[i * JO_ROW + i];
-            for (int k = i + 1; k < JO_SIX; k++) b[i] += A[i * JO_ROW + k] * b[k];
-            JO_STORE(B + i * padded + j) = b[i];
+            jo_lanes sum = A[i * JO_ROW] * b[0];
+            for (int k = 1; k < JO_SIX; k++) sum += A[i * JO_ROW + k] * b[k];
+            JO_STORE(B + i * padded + j) = sum;
         }
     }
 }
 
-/* x = A^-1 x */
-static void solve_six(const jo_real *restrict A, const int *pivot, jo_real *restrict x)
+enum { TOGETHER = JO_WIDTH == 4 ? 2 : 1 };   /* vectors of columns whose sums of six rows fit into the registers */
+
+/* sum = X Y for TOGETHER vectors of columns, X and Y (6 x 6) with padded rows */
+static inline void product_of_six(jo_lanes sum[JO_SIX][TOGETHER], const jo_real *X, const jo_real *Y)
 {
-    jo_real b[JO_SIX];
-    for (int k = 0; k < JO_SIX; k++)
-        if (pivot[k] != k) swap_rows(x + k, x + pivot[k], 1);
-    for (int i = 0; i < JO_SIX; i++) {
-        b[i] = x[i];
-        for (int k = 0; k < i; k++) b[i] += A[i * JO_ROW + k] * x[k];
-    }
-    for (int i = 0; i < JO_SIX; i++) {
-        jo_real sum = A[i * JO_ROW + i] * b[i];
-        for (int k = i + 1; k < JO_SIX; k++) sum += A[i * JO_ROW + k] * b[k];
-        x[i] = sum;
+    for (int k = 0; k < JO_SIX; k++) {
+        jo_lanes y[TOGETHER];
+        for (int c = 0; c < TOGETHER; c++) y[c] = JO_LOAD(Y + k * JO_ROW + c * JO_WIDTH);
+        for (int i = 0; i < JO_SIX; i++)
+            for (int c = 0; c < TOGETHER; c++) {
+                if (k) sum[i][c] += X[i * JO_ROW + k] * y[c];
+                else sum[i][c] = X[i * JO_ROW] * y[c];
+            }
     }
 }
 
-/* y -= A x */
-static inline void subtract_six(jo_real *restrict y, const jo_real *restrict A, const jo_real *restrict x)
+/* B = A B, 6 x 6, padded rows */
+static void multiply_six(const jo_real *A, jo_real *B)
 {
-    for (int i = 0; i < JO_SIX; i++) {
-        jo_real sum = y[i];
-        for (int k = 0; k < JO_SIX; k++) sum -= A[i * JO_ROW + k] * x[k];
-        y[i] = sum;
+    for (int j = 0; j < JO_SIX; j += TOGETHER * JO_WIDTH) {
+        jo_lanes sum[JO_SIX][TOGETHER];
+        product_of_six(sum, A, B + j);
+        for (int i = 0; i < JO_SIX; i++)
+            for (int c = 0; c < TOGETHER; c++) JO_STORE(B + i * JO_ROW + j + c * JO_WIDTH) = sum[i][c];
     }
 }
 
 /* T -= X Y, 6 x 6, padded rows */
-static void subtract_six_rows(jo_real *restrict T, const int target, const jo_real *restrict X, const jo_real *restrict Y)
+static void subtract_six(jo_real *T, const int target, const jo_real *X, const jo_real *Y)
 {
-    JO_EACH(j, JO_ROW) {
-        jo_lanes sum[JO_SIX];
-        for (int i = 0; i < JO_SIX; i++) sum[i] = JO_LOAD(T + i * target + j);
-        for (int k = 0; k < JO_SIX; k++) {
-            const jo_lanes y = JO_LOAD(Y + k * JO_ROW + j);
-            for (int i = 0; i < JO_SIX; i++) sum[i] -= X[i * JO_ROW + k] * y;
-        }
-        for (int i = 0; i < JO_SIX; i++) JO_STORE(T + i * target + j) = sum[i];
+    for (int j = 0; j < JO_SIX; j += TOGETHER * JO_WIDTH) {
+        jo_lanes sum[JO_SIX][TOGETHER];
+        product_of_six(sum, X, Y + j);
+        for (int i = 0; i < JO_SIX; i++)
+            for (int c = 0; c < TOGETHER; c++) JO_STORE(T + i * target + j + c * JO_WIDTH) -= sum[i][c];
     }
 }
 
@@ -211,28 +224,6 @@ static void solve_rows(const jo_real *A, const int n, const int stride, const in
     for (; j + 4 * JO_WIDTH <= padded; j += 4 * JO_WIDTH) solve_panel(A, n, stride, B + j, padded, 4);
     for (; j + 2 * JO_WIDTH <= padded; j += 2 * JO_WIDTH) solve_panel(A, n, stride, B + j, padded, 2);
     for (; j < padded; j += JO_WIDTH) solve_panel(A, n, stride, B + j, padded, 1);
-}
-
-static inline jo_real dot(const jo_real *restrict a, const jo_real *restrict b, const int n)
-{
-    jo_lanes sum = {0}, other = {0};
-    int k = 0;
-    for (; k + 2 * JO_WIDTH <= n; k += 2 * JO_WIDTH) {
-        sum += JO_LOAD(a + k) * JO_LOAD(b + k);
-        other += JO_LOAD(a + k + JO_WIDTH) * JO_LOAD(b + k + JO_WIDTH);
-    }
-    jo_real s = jo_sum(sum + other);
-    for (; k < n; k++) s += a[k] * b[k];
-    return s;
-}
-
-/* x = A^-1 x with LU factors */
-static void solve_column(const jo_real *A, const int n, const int stride, const int *pivot, jo_real *x)
-{
-    for (int k = 0; k < n; k++)
-        if (pivot[k] != k) swap_rows(x + k, x + pivot[k], 1);
-    for (int i = 1; i < n; i++) x[i] -= dot(A + i * stride, x, i);
-    for (int i = n - 1; i >= 0; i--) x[i] = A[i * stride + i] * (x[i] - dot(A + i * stride + i + 1, x + i + 1, n - i - 1));
 }
 
 /* T -= X Y, X (rows x n), Y (n x padded), four rows at a time */
@@ -315,6 +306,36 @@ static int node_joint(const jo_model *m, int node)
     return -1;
 }
 
+/* transpose of a 6 x 6 block with padded rows */
+static void transpose_six(jo_real *A)
+{
+    for (int i = 1; i < JO_SIX; i++)
+        for (int j = 0; j < i; j++) {
+            const jo_real t = A[i * JO_ROW + j];
+            A[i * JO_ROW + j] = A[j * JO_ROW + i];
+            A[j * JO_ROW + i] = t;
+        }
+}
+
+/* blocks of a node of six unknowns and its branches of this width by columns, for jo_newton_solve */
+static void transpose_node(const jo_model *m, jo_data *d, const jo_node *node)
+{
+    transpose_six(d->newton.N + node->diagonal);
+    for (int b = node->first; b < node->first + node->count; b++) {
+        if (m->branch[b].width != JO_SIX) continue;
+        transpose_six(d->newton.N + m->branch[b].lower);
+        transpose_six(d->newton.N + m->branch[b].upper);
+    }
+}
+
+/* whether n numbers, a multiple of the padding, are finite: else x - x is not 0 */
+static int finite(const jo_real *x, const int n)
+{
+    jo_lanes sum = {0};
+    JO_EACH(i, n) sum += JO_LOAD(x + i) - JO_LOAD(x + i);
+    return JO_RE(jo_sum(sum)) == 0.0;
+}
+
 /* factors of d->newton.N in place, node by node: LU of the diagonal block, A_cc^-1 A_cj, updates of later blocks. redundant: regularised */
 int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
 {
@@ -327,9 +348,7 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
         const jo_node *node = &m->node[c];
         const int stride = jo_pad(node->size);
         jo_real *A = d->newton.N + node->diagonal;
-        double sum = 0.0;
-        for (int i = 0; i < node->size * stride; i++) sum += fabs(JO_RE(A[i]));
-        if (!isfinite(sum)) {
+        if (!finite(A, node->size * stride)) {
             d->error_index = node->body < 0 ? 0 : node->body;
             return JO_NOT_FINITE;
         }
@@ -338,7 +357,7 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
         const double *column = d->newton.unit + node->at;
         double *row = d->newton.unit_of_row + node->at;
         for (int i = 0; i < node->size; i++) row[i] = column[i];
-        const int failed = six ? factor_dense(A, JO_SIX, JO_ROW, pivot, column, row, vanished)
+        const int failed = six ? invert_six(A, pivot, column, row, vanished)
                                : factor_dense(A, node->size, stride, pivot, column, row, vanished);
         if (failed >= 0) {
             const int joint = node_joint(m, c);
@@ -346,14 +365,13 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
             return joint >= 0 ? JO_SINGULAR_JOINT : JO_SINGULAR_BODY;
         }
         /* blocks to the right: A_cj = A_cc^-1 A_cj */
-        if (six) invert_six(A);
         for (int b = node->first; b < node->first + node->count; b++) {
             jo_real *Y = d->newton.N + m->branch[b].upper;
             const int padded = jo_pad(m->branch[b].width);
             if (six && padded == JO_ROW)
-                solve_six_rows(A, pivot, Y, JO_ROW);
+                multiply_six(A, Y);
             else if (six)
-                solve_six_rows(A, pivot, Y, padded);
+                multiply_six_rows(A, Y, padded);
             else
                 solve_rows(A, node->size, stride, pivot, Y, padded);
         }
@@ -365,47 +383,11 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
             jo_real *T = d->newton.N + fill->target;
             const jo_real *X = d->newton.N + left->lower, *Y = d->newton.N + right->upper;
             if (six && left->width == JO_SIX && padded == JO_ROW)
-                subtract_six_rows(T, fill->stride, X, Y);
+                subtract_six(T, fill->stride, X, Y);
             else
                 subtract_product(T, fill->stride, X, stride, left->width, node->size, Y, padded);
         }
+        if (six) transpose_node(m, d, node);
     }
     return JO_OK;
-}
-
-/* d->newton.x = N^-1 d->newton.x: forward elimination, then back substitution */
-void jo_newton_solve(const jo_model *m, jo_data *d)
-{
-    for (int c = 0; c < m->nnode; c++) {
-        const jo_node *node = &m->node[c];
-        const int stride = jo_pad(node->size);
-        jo_real *x = d->newton.x + node->at;
-        const int six = node->size == JO_SIX;
-        if (six)
-            solve_six(d->newton.N + node->diagonal, d->newton.pivot + node->at, x);
-        else
-            solve_column(d->newton.N + node->diagonal, node->size, stride, d->newton.pivot + node->at, x);
-        for (int b = node->first; b < node->first + node->count; b++) {
-            const jo_branch *branch = &m->branch[b];
-            const jo_real *X = d->newton.N + branch->lower;
-            jo_real *y = d->newton.x + m->node[branch->node].at;
-            if (six && branch->width == JO_SIX)
-                subtract_six(y, X, x);
-            else
-                for (int i = 0; i < branch->width; i++) y[i] -= dot(X + i * stride, x, node->size);
-        }
-    }
-    for (int c = m->nnode - 1; c >= 0; c--) {
-        const jo_node *node = &m->node[c];
-        jo_real *x = d->newton.x + node->at;
-        for (int b = node->first; b < node->first + node->count; b++) {
-            const jo_branch *branch = &m->branch[b];
-            const int stride = jo_pad(branch->width);
-            const jo_real *Y = d->newton.N + branch->upper, *y = d->newton.x + m->node[branch->node].at;
-            if (node->size == JO_SIX && branch->width == JO_SIX)
-                subtract_six(x, Y, y);
-            else
-                for (int i = 0; i < node->size; i++) x[i] -= dot(Y + i * stride, y, branch->width);
-        }
-    }
 }

@@ -39,9 +39,32 @@ static void body_residual(const jo_model *m, const jo_data *d, int body, jo_real
     jo_set3(r + 3, T);
 }
 
+int jo_newton_centred(const jo_model *m, const jo_data *d, int body)
+{
+    const jo_real *S = d->body[body].S;
+    return !m->body[body].n && S[0] == 0.0 && S[1] == 0.0 && S[2] == 0.0;
+}
+
+/* the same of a rigid body with its mass centre at the origin of its frame: F = m (R'' - g), T = J w' */
+static void centred_residual(const jo_model *m, const jo_data *d, int body, jo_real *r)
+{
+    const jo_body_work *w = &d->body[body];
+    const jo_real *a = d->a + m->body[body].iv, mass = m->body[body].mass[0];
+    jo_real F[3], T[3];
+    jo_mul3(F, w->A, w->fr);
+    jo_sym3(T, w->J, a + 3);
+    for (int i = 0; i < 3; i++) {
+        r[i] = mass * (a[i] - m->gravity[i]) - F[i];
+        r[3 + i] = T[i] - w->fr[3 + i];
+    }
+}
+
 void jo_equations_residual(const jo_model *m, const jo_data *d, jo_real *r)
 {
-    for (int i = 0; i < m->nbody; i++) body_residual(m, d, i, r + m->body[i].iv);
+    for (int i = 0; i < m->nbody; i++) {
+        if (jo_newton_centred(m, d, i)) centred_residual(m, d, i, r + m->body[i].iv);
+        else body_residual(m, d, i, r + m->body[i].iv);
+    }
 }
 
 /* r at time, q, v, a, lam: kinematics, inertia, forces, beams, friction, reactions, M a */
