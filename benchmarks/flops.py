@@ -20,6 +20,7 @@ import jousto as jo
 from jousto.export import sources
 from jousto.model.native import library
 from jousto.model.native.declarations import declarations
+from jousto.simulation.solvers.base import prepared
 
 ENGINE = Path(__file__).parent.parent / "engine"
 
@@ -135,3 +136,19 @@ class Counter:
             before = self._library.jo_flops
             engine.run(native, 20, 10**9, rows)
             return float(self._library.jo_flops - before) / 20.0
+
+    def each_step(self, model: jo.Model, solver: Any, steps: int) -> np.ndarray:
+        """The same operations of each of the first steps (steps,), without rows of results."""
+        with (
+            mock.patch.object(library, "real_library", lambda: self._library),
+            mock.patch.object(library, "ffi", lambda: self._ffi),
+        ):
+            engine = jo.model.Engine(model)
+            native = prepared(engine, solver, solver.step)
+            rows, found = np.zeros((1, engine.row_size)), np.zeros(steps)
+            for i in range(steps):
+                before = self._library.jo_flops
+                status, _ = engine.run(native, 1, 10**9, rows)
+                assert status == "ok", status
+                found[i] = self._library.jo_flops - before
+            return found

@@ -83,7 +83,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 22 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 23 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -148,8 +148,9 @@ typedef struct {
     jo_real evaluations, iterations, steps, rejected, step;
 } jo_diagnostics;
 
-/* Counts since the start; singular: evaluations in a singular position. */
-typedef struct { long long evaluations, iterations, factorisations, rejected, singular, steps; } jo_counts;
+/* Counts since the start; singular: evaluations in a singular position; deferred: steps that left a change to the next step, see
+ * JO_END_PASSES. */
+typedef struct { long long evaluations, iterations, factorisations, rejected, singular, steps, deferred; } jo_counts;
 
 /* A rigid (n = 0) or modal body: displacement field u = u0 + Phi p in a floating frame. */
 typedef struct {
@@ -462,6 +463,7 @@ typedef struct {
     int iterations;         /* alpha: largest number of iterations of a step; dopri: of steps between two rows */
     int modified;           /* alpha: modified Newton method, which keeps factors while the iteration converges */
     int plain_inertia;      /* alpha: Newton's matrix without derivatives of inertia forces with respect to positions and velocities */
+    int step_ends;          /* events and transitions of frictions take effect at the ends of steps, in bounded work; 0: located in time */
 } jo_solver;
 
 /* A row of JO_METHODS. */
@@ -471,6 +473,9 @@ typedef struct {
     int order, stages;
     const double *coefficient;
 } jo_tableau;
+
+/* With step_ends: largest number of passes in which frictions start to slide or stick at the end of a step, and in which events cause others */
+enum { JO_END_PASSES = 2 };
 
 typedef struct jo_data jo_data;
 

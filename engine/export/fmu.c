@@ -184,8 +184,11 @@ int jo_fmu_advance(jo_fmu *f, double time, double length, int *early, double *re
     if (!(count >= 1.0) || count > MAX_STEPS || fabs(count * h - length) > NEAR * h)
         return jo_fmu_say(f, JO_FMU_DISCARD, "a step of %.9g s is no multiple of the machine's own, %.9g s", length, h);
     f->current = 0;
+    const long long deferred = jo_data_counts(jo_machine_data(f->machine))->deferred;
     const int status = jo_machine_step(f->machine, (long long)count);
     *reached = jo_machine_time(f->machine);
+    if (jo_data_counts(jo_machine_data(f->machine))->deferred != deferred)
+        jo_fmu_say(f, JO_FMU_WARNING, "until %.9g s a change of friction or an event was deferred to the next step", *reached);
     if (status == JO_MACHINE_STOPPED) {
         *early = 1;
         jo_fmu_say(f, JO_FMU_WARNING, "an event stops the machine at %.9g s", *reached);

@@ -220,6 +220,8 @@ int main(int argc, char **argv)
     }
     printf("%lu steps, frames: %lu taken, %lu lost, %lu old, %lu wrong", steps, counts.taken, counts.lost, counts.old, counts.wrong);
     if (rate > 0.0) printf("; %lu steps begun after the next was due, largest lateness %.3g ms", missed, 1e3 * latest);
+    const long long deferred = jo_data_counts(jo_machine_data(machine))->deferred;
+    if (deferred) printf("; %lld steps deferred a change of friction or an event", deferred);
     printf("\n");
     return code;
 }

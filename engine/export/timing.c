@@ -64,7 +64,8 @@ int main(int argc, char **argv)
         if (took > worst) worst = took;
         done++;
     }
-    printf("%ld %.17g %.17g %lld %d\n", done, sum, worst, jo_machine_bytes(&PLANT), granted);
+    printf("%ld %.17g %.17g %lld %d %lld\n", done, sum, worst, jo_machine_bytes(&PLANT), granted,
+           jo_data_counts(jo_machine_data(machine))->deferred);
     for (int i = 0; i < BINS; i++)
         if (counts[i]) printf("%.17g %ld\n", ends[i], counts[i]);
     return 0;

@@ -35,4 +35,11 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
 int jo_friction_switch(const jo_model *m, jo_data *d, int i);
 int jo_friction_initialise_states(const jo_model *m, jo_data *d);
 
+/* friction_step_end.c */
+int jo_friction_end_slips(const jo_model *m, jo_data *d, const int *reversed, double late);
+void jo_friction_keep_accelerations(jo_data *d);
+int jo_friction_catch_up(const jo_model *m, jo_data *d, double late);
+int jo_friction_release_all(const jo_model *m, jo_data *d, int *changed);
+int jo_friction_unsettled(const jo_model *m, const jo_data *d);
+
 #endif

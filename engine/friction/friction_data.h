@@ -18,6 +18,9 @@ enum { JO_PAIRS = 4 };      /* largest number of stored pairs of changes */
 typedef struct {
     jo_sliding_friction *sliding;     /* (nfriction) */
     int *coordinate;        /* (2 nfriction) coordinate of each force */
+    int *turns;             /* (nfriction) changes in one pass at the end of a step: 1 starts to slide, -1 sticks again */
+    jo_work power;          /* powers, W, and power of the drives, W, before the last changes at the end of a step */
+    jo_real drive;
     int nsliding, n;         /* number of sliding frictions and of their forces */
     jo_real *lam;           /* (nrow) multipliers without friction */
     jo_real *reach;         /* (JO_REACH x nrow) change of the multipliers by a unit of each force */

@@ -326,6 +326,7 @@ void jo_friction_layout(const jo_model *m, jo_data *d, jo_arena *a)
     jo_real **forces[5] = {&x->f, &x->g, &x->r, &x->before, &x->change};
     x->sliding = jo_take_many(a, m->nfriction, sizeof *x->sliding);
     x->coordinate = jo_take_ints(a, 2 * m->nfriction);
+    x->turns = jo_take_ints(a, m->nfriction);
     x->lam = jo_take_reals(a, m->nfriction ? m->nrow : 0);
     x->reach = jo_take_reals(a, m->nfriction ? JO_REACH * m->nrow : 0);
     for (int i = 0; i < 5; i++) *forces[i] = jo_take_reals(a, 2 * m->nfriction);

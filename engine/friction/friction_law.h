@@ -48,4 +48,11 @@ void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction
 void jo_friction_joint_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* last evaluation */
 void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* static friction */
 
+/* friction_switch.c */
+void jo_friction_start_sliding(const jo_model *m, jo_data *d, int i);
+void jo_friction_hold(const jo_model *m, jo_data *d, int i);
+void jo_friction_start_sticking(const jo_model *m, jo_data *d, int i);
+double jo_friction_overload(const jo_model *m, const jo_data *d, int i);
+int jo_friction_accelerated_back(const jo_model *m, const jo_data *d, int i);
+
 #endif

@@ -12,7 +12,7 @@ enum { JO_ROUNDS = 8, JO_ROUNDS_EACH = 4 };   /* largest number of rounds of rel
 static int *lock_of(const jo_model *m, jo_data *d, const jo_friction *f) { return &d->locked[m->joint[f->lock].lock]; }
 
 /* friction i starts to slide, in the direction opposite to its holding force */
-static void start_sliding(const jo_model *m, jo_data *d, int i)
+void jo_friction_start_sliding(const jo_model *m, jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
     jo_real y[2], *e = d->direction + 2 * i;
@@ -25,12 +25,19 @@ static void start_sliding(const jo_model *m, jo_data *d, int i)
     jo_forces_jumped(d);
 }
 
-/* friction i starts to stick at the present coordinates */
-static void start_sticking(const jo_model *m, jo_data *d, int i)
+/* friction i holds the present coordinates */
+void jo_friction_hold(const jo_model *m, jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
     for (int k = 0; k < jo_slips(f); k++)
         d->held[2 * m->joint[f->lock].lock + k] = d->coordinate[jo_slip_of(f, k)].value;
+}
+
+/* friction i starts to stick at the present coordinates */
+void jo_friction_start_sticking(const jo_model *m, jo_data *d, int i)
+{
+    const jo_friction *f = &m->friction[i];
+    jo_friction_hold(m, d, i);
     *lock_of(m, d, f) = 1;
     d->slip[i] = 0;
     jo_forces_jumped(d);
@@ -51,7 +58,7 @@ static int stop_sliding(const jo_model *m, jo_data *d)
 }
 
 /* whether friction i, which slides from rest along one coordinate, is accelerated against its slip */
-static int is_accelerated_back(const jo_model *m, const jo_data *d, int i)
+int jo_friction_accelerated_back(const jo_model *m, const jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
     jo_real s[2];
@@ -62,26 +69,34 @@ static int is_accelerated_back(const jo_model *m, const jo_data *d, int i)
     return d->slip[i] * JO_RE(jo_slip_arm(m, f, 0) * second) < -JO_BACK_ACCELERATION * m->size;
 }
 
+/* excess of the holding force of friction i over its static limit, relative to that force; 0 while it slides or holds */
+double jo_friction_overload(const jo_model *m, const jo_data *d, int i)
+{
+    jo_real y[2];
+    if (!jo_sticks(m, d, &m->friction[i])) return 0.0;
+    const double margin = JO_RE(jo_friction_margin(m, d, i));
+    if (!(margin < 0.0)) return 0.0;
+    jo_friction_sticking_force(m, d, &m->friction[i], y);
+    return -margin / (fabs(JO_RE(y[0])) + fabs(JO_RE(y[1])));
+}
+
 /* Frictions above their static limit start to slide, the one with the largest relative overload first; frictions that are accelerated against
  * their slip stick again. Repeated until no state changes, at most JO_ROUNDS + JO_ROUNDS_EACH n times. */
 static int release(const jo_model *m, jo_data *d)
 {
     for (int round = 0; round < JO_ROUNDS + JO_ROUNDS_EACH * m->nfriction; round++) {
         int weakest = -1, back = -1;
-        double least = 0.0;
+        double most = 0.0;
         for (int i = 0; i < m->nfriction; i++) {
-            if (is_accelerated_back(m, d, i)) back = i;
-            if (!jo_sticks(m, d, &m->friction[i])) continue;
-            jo_real y[2];
-            jo_friction_sticking_force(m, d, &m->friction[i], y);
-            const double margin = JO_RE(jo_friction_margin(m, d, i)), load = fabs(JO_RE(y[0])) + fabs(JO_RE(y[1]));
-            if (margin < 0.0 && margin < least * load) {
-                least = margin / load;
+            if (jo_friction_accelerated_back(m, d, i)) back = i;
+            const double overload = jo_friction_overload(m, d, i);
+            if (overload > most) {
+                most = overload;
                 weakest = i;
             }
         }
-        if (weakest >= 0) start_sliding(m, d, weakest);
-        else if (back >= 0) start_sticking(m, d, back);
+        if (weakest >= 0) jo_friction_start_sliding(m, d, weakest);
+        else if (back >= 0) jo_friction_start_sticking(m, d, back);
         else break;
         if (jo_tree_active(d)) jo_tree_hold_sticking(m, d);   /* locked coordinates exactly at rest */
         const int status = jo_accelerations(m, d);
@@ -98,7 +113,7 @@ int jo_friction_switch(const jo_model *m, jo_data *d, int i)
     if (!f->law) return JO_OK;
     int status;
     if (jo_sticks(m, d, f)) {
-        start_sliding(m, d, i);
+        jo_friction_start_sliding(m, d, i);
         status = jo_accelerations(m, d);
     } else {
         jo_real e[2];
@@ -109,7 +124,7 @@ int jo_friction_switch(const jo_model *m, jo_data *d, int i)
             jo_forces_jumped(d);
             return jo_accelerations(m, d);
         }
-        start_sticking(m, d, i);
+        jo_friction_start_sticking(m, d, i);
         status = stop_sliding(m, d);
     }
     return status == JO_OK ? release(m, d) : status;
@@ -129,7 +144,7 @@ int jo_friction_initialise_states(const jo_model *m, jo_data *d)
         if (!f->law || d->slip[i] || jo_sticks(m, d, f)) continue;
         jo_friction_direction(m, d, i, e);
         if (e[0] == 0.0 && e[1] == 0.0) {
-            start_sticking(m, d, i);
+            jo_friction_start_sticking(m, d, i);
             resting = 1;
         } else {
             for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k];

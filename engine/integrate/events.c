@@ -1,52 +1,22 @@
-/* events.c - zero crossings: detected at the end of a step, located in time by repetition of the step with other lengths.
- *
- * Watched values: sensor value - threshold of the events, then the margins of stick-slip frictions (jo_friction_margin), of forces that
- * yield (jo_yielding_margin) and of rows that are switched (jo_switched_margin). side: sign of each value; of margins 1. */
+/* events.c - zero crossings: detected at the end of a step, located in time by repetition of the step with other lengths. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "force/force.h"
 #include "friction/friction.h"
-#include "integrate/integrate.h"
+#include "integrate/event_parts.h"
 #include <float.h>
 #include <string.h>
 
 enum { JO_MAX_TRIALS = 120 };   /* largest number of steps tried for one crossing: three times the 40 bisections from 1 s to 1e-12 s */
-enum { JO_LOG_ENTRIES = 32, JO_LOG_ENTRIES_EACH = 8 };   /* log entries of one step: constant part, and part per watched value */
-/* ends of branches per step that are located for each force that yields; further ones are not located, and the law holds across them */
-enum { JO_YIELDS_EACH = 16 };
-enum { JO_LOG_ENTRIES_SWITCHED = 64 };   /* further ones per stop: several stops that strike in turn come to rest in a row of impacts */
-enum { JO_LOG_STEPS = 4 };      /* number of steps for which the log has room */
 
 #define JO_TIME_RESOLUTION 1e-12    /* largest error of the time of an event, s */
 #define JO_TIME_ROUNDING (8.0 * DBL_EPSILON)   /* the same relative to the time, for times whose round-off is larger */
-/* distance from the threshold, relative to the change in the step, below which a value starts at the threshold */
-#define JO_TOUCH 1e-9
 /* part of the planned step below which a step is not shortened any more to find a gap that closes for a moment */
 #define JO_TOUCH_RESOLUTION 1e-9
 #define JO_SHORTEST_PART 1e-4   /* part of the step below which a step without convergence is not shortened any more */
-#define JO_JUMP 1e-6        /* jump of a value at an event, relative to its change in the step, below which the jump is round-off */
 #define JO_VALUE_ROUNDING (2.0 * DBL_EPSILON)   /* distance from the threshold, relative to the threshold, that is round-off */
 
 static double time_resolution(const jo_data *d) { return fmax(JO_TIME_RESOLUTION, JO_TIME_ROUNDING * fabs(JO_RE(d->time[0]))); }
-
-static int sign(double x) { return (x > 0.0) - (x < 0.0); }
-
-static int is_event(const jo_model *m, int i) { return i < m->nevent; }
-
-/* first watched value of the forces that yield: the values of events precede it and, if any friction can stick, those of frictions */
-static int first_yielding(const jo_model *m) { return m->nevent + (m->nlock ? m->nfriction : 0); }
-
-/* first watched value of the rows that are switched */
-static int first_switched(const jo_model *m) { return first_yielding(m) + m->nyielding; }
-
-/* number of watched values */
-int jo_watched(const jo_model *m) { return first_switched(m) + m->nswitched; }
-
-/* largest number of log entries of one step; more entries indicate an endless chain of events */
-static int max_entries(const jo_model *m)
-{
-    return JO_LOG_ENTRIES + JO_LOG_ENTRIES_EACH * jo_watched(m) + JO_LOG_ENTRIES_SWITCHED * m->nswitched;
-}
 
 /* -- saved state at the start of a step --------------------------------------------------- */
 
@@ -76,92 +46,6 @@ static void restore_state(jo_data *d)
     jo_step_repeated(d, &k->valid);
 }
 
-/* -- watched values ------------------------------------------------------------------------- */
-
-/* model d->events.watch with the sensors of events only */
-void jo_event_setup(const jo_model *m, jo_data *d)
-{
-    jo_sensor *list = d->events.list;
-    d->events.watch = *m;
-    d->events.watch.sensor = list;
-    d->events.watch.nsensor = 0;
-    d->events.demanding = m->nlock > 0;
-    for (int i = 0; i < m->nsensor; i++) {
-        const jo_sensor *s = &m->sensor[i];
-        int used = 0;
-        for (int j = 0; j < m->nevent; j++) {
-            const int output = m->event[j].output;
-            used |= output >= s->offset && output < s->offset + s->count;
-        }
-        if (!used) continue;
-        list[d->events.watch.nsensor++] = *s;
-        d->events.demanding |= jo_needs_accelerations(s);
-    }
-}
-
-/* g = margins of the forces that yield; 1 if their branches have already ended too often in the step */
-static int yielding_margins(const jo_model *m, jo_data *d, double *g)
-{
-    const int status = jo_yielding_ready(m, d);
-    if (status != JO_OK) return status;
-    const int located = d->events.yields < JO_YIELDS_EACH * m->nyielding;
-    for (int k = 0; k < m->nyielding; k++) g[k] = located ? JO_RE(jo_yielding_margin(m, d, k)) : 1.0;
-    return JO_OK;
-}
-
-/* g = watched values at the present state */
-static int watched_values(const jo_model *m, jo_data *d, double *g)
-{
-    const int status = jo_ready_sensors(m, d, d->events.demanding);
-    if (status != JO_OK) return status;
-    if (m->nevent) jo_sensors(&d->events.watch, d, d->events.measured);
-    const int first = first_yielding(m);
-    for (int i = 0; i < first; i++)
-        g[i] = is_event(m, i) ? JO_RE(d->events.measured[m->event[i].output]) - m->event[i].threshold
-                              : JO_RE(jo_friction_margin(m, d, i - m->nevent));
-    if (m->nswitched) jo_switched_ready(m, d);
-    for (int k = 0; k < m->nswitched; k++) g[first_switched(m) + k] = JO_RE(jo_switched_margin(m, d, k));
-    return m->nyielding ? yielding_margins(m, d, g + first) : JO_OK;
-}
-
-/* whether value i has changed its side in a direction that counts */
-static int crosses(const jo_model *m, const jo_data *d, int i, double g)
-{
-    const int now = sign(g), direction = is_event(m, i) ? m->event[i].direction : -1;
-    return now && now == -d->events.side[i] && (direction == 0 || direction == now);
-}
-
-static int any_crosses(const jo_model *m, const jo_data *d, const double *g)
-{
-    for (int i = 0; i < jo_watched(m); i++)
-        if (crosses(m, d, i, g[i])) return 1;
-    return 0;
-}
-
-/* states at the end of a step of forces that yield, and their margins from then on */
-static int accept_yielding(const jo_model *m, jo_data *d, double *g)
-{
-    int status = jo_yielding_ready(m, d);
-    if (status != JO_OK) return status;
-    if (jo_accept_yielding(m, d)) {
-        jo_state_changed(d);
-        jo_forces_jumped(d);
-    }
-    /* generalised alpha continues from these states */
-    for (int i = 0; i < m->nstate; i++) d->alpha.end_v[m->nv + i] = jo_states(m, d)[i];
-    return yielding_margins(m, d, g + first_yielding(m));
-}
-
-/* accept the values g of the present state: sides, levels, directions of slip */
-static void accept_values(const jo_model *m, jo_data *d, const double *g)
-{
-    for (int i = 0; i < jo_watched(m); i++) {
-        if (is_event(m, i) && sign(g[i])) d->events.side[i] = sign(g[i]);
-        d->events.level[i] = g[i];
-    }
-    if (m->nlock) jo_friction_update_direction(m, d);
-}
-
 /* -- location in time ------------------------------------------------------------------------- */
 
 /* earliest crossing between a and b by linear interpolation of the weighted values (regula falsi) */
@@ -169,7 +53,7 @@ static double estimate_crossing(const jo_model *m, const jo_data *d, double a, d
 {
     double first = b;
     for (int i = 0; i < jo_watched(m); i++) {
-        if (!crosses(m, d, i, d->events.above[i])) continue;
+        if (!jo_crosses(m, d, i, d->events.above[i])) continue;
         const double ga = wa * d->events.side[i] * d->events.below[i], gb = wb * fabs(d->events.above[i]);
         const double x = ga > 0.0 ? a + (b - a) * (ga / (ga + gb)) : 0.5 * (a + b);
         if (x < first) first = x;
@@ -181,8 +65,8 @@ static double estimate_crossing(const jo_model *m, const jo_data *d, double a, d
 static int at_threshold(const jo_model *m, const jo_data *d)
 {
     for (int i = 0; i < jo_watched(m); i++) {
-        const double small = JO_VALUE_ROUNDING * fmax(is_event(m, i) ? fabs(m->event[i].threshold) : 0.0, d->events.scale[i]);
-        if (crosses(m, d, i, d->events.above[i]) && !(fabs(d->events.above[i]) <= small)) return 0;
+        const double small = JO_VALUE_ROUNDING * fmax(jo_is_event(m, i) ? fabs(m->event[i].threshold) : 0.0, d->events.scale[i]);
+        if (jo_crosses(m, d, i, d->events.above[i]) && !(fabs(d->events.above[i]) <= small)) return 0;
     }
     return 1;
 }
@@ -193,7 +77,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double le
     part.step = length;
     restore_state(d);
     const int status = jo_one_step(m, d, &part);
-    return status == JO_OK ? watched_values(m, d, g) : status;
+    return status == JO_OK ? jo_watched_values(m, d, g) : status;
 }
 
 /* Length of the step from the saved state to just after the first crossing: Illinois method in the bracket [a, b], with bisection if three
@@ -214,7 +98,7 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
         const int status = try_step(m, d, s, x, d->events.trial);
         if (status != JO_OK) return status;
         at = x;
-        const int side = any_crosses(m, d, d->events.trial) ? 1 : -1;
+        const int side = jo_any_crosses(m, d, d->events.trial) ? 1 : -1;
         double **end = side > 0 ? &d->events.above : &d->events.below, *values_at = *end;
         *end = d->events.trial;
         d->events.trial = values_at;
@@ -278,146 +162,12 @@ static int prove(const jo_model *m, jo_data *d, const jo_solver *s, double *leng
         }
         *length *= 0.5;
         const int status = try_step(m, d, s, *length, d->events.above);
-        if (status != JO_OK || any_crosses(m, d, d->events.above)) return status;
+        if (status != JO_OK || jo_any_crosses(m, d, d->events.above)) return status;
     }
     return JO_OK;
-}
-
-/* -- effects of events ------------------------------------------------------------------------ */
-
-static int log_entry(const jo_model *m, jo_data *d, int i, double value, int *chain)
-{
-    double *entry = d->events.log + 3 * d->events.logged;
-    if (++*chain > max_entries(m)) {
-        d->error_index = i;
-        return JO_ENDLESS;
-    }
-    d->events.logged++;
-    entry[0] = JO_RE(d->time[0]);
-    entry[1] = i;
-    entry[2] = value;
-    return JO_OK;
-}
-
-/* occurrence of event i; the energy of springs that it releases is dissipated */
-static void apply_event(const jo_model *m, jo_data *d, int i)
-{
-    jo_energies before, after;
-    int loses = 0;
-    for (int j = 0; j < m->nforce; j++) loses |= m->force[j].release == i && !d->happened[i];
-    if (loses) jo_energy(m, d, &before);
-    d->happened[i]++;
-    d->events.side[i] = sign(d->events.above[i]);
-    if (!loses) return;
-    jo_energy(m, d, &after);
-    d->work.damping += before.springs - after.springs;
-}
-
-/* handle the events at the present state and, repeatedly, the events that they cause; *stop: first event that ends the run, or -1 */
-static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
-{
-    for (int before = -1; before != d->events.logged;) {
-        before = d->events.logged;
-        for (int i = 0; i < m->nevent; i++) {
-            if (!crosses(m, d, i, d->events.above[i])) continue;
-            const int status = log_entry(m, d, i, sign(d->events.above[i]), chain);
-            if (status != JO_OK) return status;
-            apply_event(m, d, i);
-            if (m->event[i].stop && *stop < 0) *stop = i;
-        }
-        if (d->events.logged == before) break;
-        jo_state_changed(d);   /* forces have changed */
-        jo_forces_jumped(d);
-        memcpy(d->events.below, d->events.above, (size_t)m->nevent * sizeof *d->events.below);
-        const int status = watched_values(m, d, d->events.above);
-        if (status != JO_OK) return status;
-        for (int i = 0; i < m->nevent; i++) {   /* changes by round-off do not count as crossings */
-            const double jump = fabs(d->events.above[i] - d->events.below[i]), small = JO_JUMP * d->events.scale[i];
-            if (crosses(m, d, i, d->events.above[i]) && !(fabs(d->events.above[i]) > small && jump > small)) d->events.above[i] = 0.0;
-        }
-    }
-    return JO_OK;
-}
-
-/* frictions whose margin is exceeded at the present state */
-static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
-{
-    const int *before = (const int *)(d->events.start.state + ((char *)d->slip - d->state));
-    const int logged = d->events.logged;
-    int last = -1, status = JO_OK;
-    for (int i = m->nevent; i < first_yielding(m) && status == JO_OK; i++)
-        if (crosses(m, d, i, d->events.above[i])) {
-            status = jo_friction_switch(m, d, i - m->nevent);
-            last = i;
-        }
-    if (last < 0 || status != JO_OK) return status;
-    jo_forces_jumped(d);
-    for (int k = 0; k < m->nfriction && status == JO_OK; k++)
-        if (d->slip[k] != before[k]) status = log_entry(m, d, m->nevent + k, d->slip[k], chain);
-    if (d->events.logged == logged && status == JO_OK && ++*chain > max_entries(m)) {   /* the state is unchanged after a transition */
-        d->error_index = last;
-        status = JO_ENDLESS;
-    }
-    return status == JO_OK ? watched_values(m, d, d->events.above) : status;
-}
-
-/* rows that are switched at the present state, one after the other */
-static int rows_switch(const jo_model *m, jo_data *d, int *chain)
-{
-    /* place in the log: after the events and the frictions */
-    const int first = m->nevent + m->nfriction, logged = d->events.logged;
-    int status = JO_OK, which = 0;
-    jo_switched_ready(m, d);
-    while (status == JO_OK) {
-        double impulse;
-        status = jo_switch_next(m, d, &which, &impulse);
-        if (status != JO_OK || which < 0) break;
-        status = log_entry(m, d, first + which, impulse, chain);
-    }
-    return status == JO_OK && d->events.logged != logged ? watched_values(m, d, d->events.above) : status;
-}
-
-/* events, friction transitions and rows that are switched at the present state */
-static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
-{
-    *stop = -1;
-    /* work of the step, with the power just before the forces jump */
-    int status = jo_accelerations_valid(d) ? JO_OK : jo_accelerations(m, d);
-    if (status != JO_OK) return status;
-    jo_add_step_work(d);
-    d->events.yields++;
-    if (m->nyielding) status = accept_yielding(m, d, d->events.above);
-    if (status == JO_OK) status = events_happen(m, d, stop, chain);
-    if (status == JO_OK && m->nlock) {
-        const int before = d->events.logged;
-        status = frictions_switch(m, d, chain);
-        if (status == JO_OK && d->events.logged != before) status = events_happen(m, d, stop, chain);
-    }
-    if (status == JO_OK && m->nswitched) {
-        const int before = d->events.logged;
-        status = rows_switch(m, d, chain);
-        if (status == JO_OK && d->events.logged != before) status = events_happen(m, d, stop, chain);
-    }
-    if (status == JO_OK) accept_values(m, d, d->events.above);
-    return status;
 }
 
 /* -- steps of fixed length --------------------------------------------------------------------- */
-
-static int start(const jo_model *m, jo_data *d)
-{
-    const int status = watched_values(m, d, d->events.level);
-    for (int i = 0; i < jo_watched(m); i++) d->events.side[i] = is_event(m, i) ? sign(d->events.level[i]) : 1;
-    jo_levels_measured(d);
-    return status;
-}
-
-/* values that start at their threshold get the side of their first change */
-static void set_first_sides(const jo_model *m, jo_data *d, const double *g)
-{
-    for (int i = 0; i < m->nevent; i++)
-        if (fabs(d->events.level[i]) <= JO_TOUCH * fabs(g[i] - d->events.level[i])) d->events.side[i] = sign(g[i]);
-}
 
 /* longest step from the present state that resolves the forces that yield, s */
 double jo_resolved(const jo_model *m, jo_data *d, int explicit_method)
@@ -433,15 +183,15 @@ static int part_step(const jo_model *m, jo_data *d, const jo_solver *s, int firs
     save_state(d);
     if (m->nyielding) measure_gaps(m, d, 0);
     int status = jo_one_step(m, d, &part);
-    if (status == JO_OK) status = watched_values(m, d, d->events.above);
+    if (status == JO_OK) status = jo_watched_values(m, d, d->events.above);
     if (status != JO_OK) return status;
-    if (first) set_first_sides(m, d, d->events.above);
-    if (m->nyielding && !any_crosses(m, d, d->events.above)) status = prove(m, d, s, length);
+    if (first) jo_set_first_sides(m, d, d->events.above);
+    if (m->nyielding && !jo_any_crosses(m, d, d->events.above)) status = prove(m, d, s, length);
     if (status != JO_OK) return status;
-    *found = any_crosses(m, d, d->events.above);
+    *found = jo_any_crosses(m, d, d->events.above);
     if (!*found) {
-        if (m->nyielding) status = accept_yielding(m, d, d->events.above);
-        if (status == JO_OK) accept_values(m, d, d->events.above);
+        if (m->nyielding) status = jo_accept_yielding_states(m, d, d->events.above);
+        if (status == JO_OK) jo_accept_values(m, d, d->events.above);
         return status;
     }
     for (int i = 0; i < jo_watched(m); i++) d->events.scale[i] = fabs(d->events.above[i] - d->events.level[i]);
@@ -466,13 +216,14 @@ static int try_again(const jo_model *m, jo_data *d, const jo_solver *s, double *
 /* step of length s->step in parts that end at events */
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
+    if (s->step_ends) return jo_step_to_end(m, d, s);
     const double end = s->step;
     double done = 0.0, longest = end;
     int chain = 0, first = !jo_levels_valid(d), found;
     d->events.yields = 0;
     jo_switched_step_begins(m, d);
     int status = m->nlock ? jo_friction_initialise_states(m, d) : JO_OK;
-    if (first && status == JO_OK) status = start(m, d);
+    if (first && status == JO_OK) status = jo_events_start(m, d);
     while (status == JO_OK && end - done > time_resolution(d)) {
         double length = fmin(end - done, longest);
         if (m->nyielding) length = fmin(length, jo_resolved(m, d, s->method != JO_METHOD_alpha && !jo_contacts_in_matrix(jo_method_tableau(s->method))));
@@ -488,7 +239,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
         done += length;
         int stop;
         if (!found) continue;
-        status = all_happen(m, d, &stop, &chain);
+        status = jo_all_happen(m, d, &stop, &chain);
         if (status == JO_OK && stop >= 0) {
             d->error_index = stop;
             return JO_EVENT;
@@ -501,7 +252,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
 
 int jo_event_keep(const jo_model *m, jo_data *d)
 {
-    int status = jo_levels_valid(d) ? JO_OK : start(m, d);
+    int status = jo_levels_valid(d) ? JO_OK : jo_events_start(m, d);
     save_state(d);
     if (status == JO_OK && m->nyielding) status = jo_yielding_ready(m, d);
     if (status == JO_OK && m->nyielding) measure_gaps(m, d, 0);
@@ -512,21 +263,21 @@ int jo_event_keep(const jo_model *m, jo_data *d)
 int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found)
 {
     *found = 0;
-    int status = watched_values(m, d, d->events.above);
+    int status = jo_watched_values(m, d, d->events.above);
     if (status != JO_OK) return status;
-    if (first) set_first_sides(m, d, d->events.above);
-    if (m->nyielding && !any_crosses(m, d, d->events.above)) {
+    if (first) jo_set_first_sides(m, d, d->events.above);
+    if (m->nyielding && !jo_any_crosses(m, d, d->events.above)) {
         const long long steps = d->counts.steps;
         status = prove(m, d, s, length);
         d->counts.steps = steps;
         if (status != JO_OK) return status;
     }
-    *found = any_crosses(m, d, d->events.above);
+    *found = jo_any_crosses(m, d, d->events.above);
     if (!*found) {
         d->events.yields = 0;
         jo_switched_step_begins(m, d);
-        if (m->nyielding) status = accept_yielding(m, d, d->events.above);
-        if (status == JO_OK) accept_values(m, d, d->events.above);
+        if (m->nyielding) status = jo_accept_yielding_states(m, d, d->events.above);
+        if (status == JO_OK) jo_accept_values(m, d, d->events.above);
         return status;
     }
     for (int i = 0; i < jo_watched(m); i++) d->events.scale[i] = fabs(d->events.above[i] - d->events.level[i]);
@@ -539,13 +290,8 @@ int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, 
 int jo_event_happen(const jo_model *m, jo_data *d, int *chain)
 {
     int stop;
-    const int status = all_happen(m, d, &stop, chain);
+    const int status = jo_all_happen(m, d, &stop, chain);
     if (status != JO_OK || stop < 0) return status;
     d->error_index = stop;
     return JO_EVENT;
 }
-
-int jo_log_room(const jo_model *m) { return jo_watched(m) ? JO_LOG_STEPS * max_entries(m) : 0; }
-
-/* whether the log has room for the entries of another step */
-int jo_log_has_room(const jo_model *m, const jo_data *d) { return d->events.logged + max_entries(m) <= jo_log_room(m); }

@@ -92,17 +92,21 @@ jo_real jo_switched_margin(const jo_model *m, const jo_data *d, int k);
 void jo_switched_step_begins(const jo_model *m, jo_data *d);
 int jo_switch_next(const jo_model *m, jo_data *d, int *which, double *impulse);
 
-/* events.c */
-int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with location of events */
-/* longest step from here that resolves the forces that yield, s; INFINITY: any */
-double jo_resolved(const jo_model *m, jo_data *d, int explicit_method);
+/* event_values.c */
 void jo_event_setup(const jo_model *m, jo_data *d);
 int jo_watched(const jo_model *m);
+
+/* event_effects.c */
+int jo_log_room(const jo_model *m);
+int jo_log_has_room(const jo_model *m, const jo_data *d);
+
+/* events.c */
+int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with events located in time or at its end */
+/* longest step from here that resolves the forces that yield, s; INFINITY: any */
+double jo_resolved(const jo_model *m, jo_data *d, int explicit_method);
 int jo_event_keep(const jo_model *m, jo_data *d);   /* saves the state for repetition of a step */
 int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found);   /* first crossing in the step */
 int jo_event_happen(const jo_model *m, jo_data *d, int *chain);
-int jo_log_room(const jo_model *m);
-int jo_log_has_room(const jo_model *m, const jo_data *d);
 
 /* events of the last call, see jo_data_log */
 static inline const double *jo_log_entries(const jo_data *d) { return d->events.log; }

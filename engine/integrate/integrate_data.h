@@ -65,6 +65,8 @@ typedef struct {
     double *level, *below, *above, *trial, *scale;   /* value less threshold, margin: at the start of the step, at the ends of the
                                                       * interval in which a crossing lies, between; change in the step */
     int *side;              /* sign of the value; 0 if it starts at the threshold */
+    int *slip, *reversed;   /* (nfriction) slips before the transitions at the end of a step; whether a slip has reversed in it */
+    double *since;          /* (nfriction) time from the end of a margin to the end of the step, s */
     struct jo_approach *near;   /* (2 nyielding) gaps at the start and at the end of the step */
     long long unproven;     /* steps in which a gap may have closed for a moment shorter than can be resolved */
     int demanding;          /* whether watched sensors need accelerations */

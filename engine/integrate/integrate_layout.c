@@ -41,6 +41,9 @@ static void lay_events(const jo_model *m, jo_data *d, jo_arena *a)
     w->strikes = jo_take_ints(a, m->nswitched);
     w->rates = jo_take_reals(a, m->nswitched ? 2 * (m->nv + m->nu) : 0);
     w->side = jo_take_ints(a, watched);
+    w->slip = jo_take_ints(a, m->nfriction);
+    w->reversed = jo_take_ints(a, m->nfriction);
+    w->since = jo_take_doubles(a, m->nfriction);
     w->near = jo_take_many(a, 2 * m->nyielding, sizeof *w->near);
     w->log = jo_take_doubles(a, 3 * jo_log_room(m));
     w->measured = jo_take_reals(a, m->nevent ? m->nout : 0);

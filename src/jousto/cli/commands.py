@@ -271,6 +271,7 @@ def check(model: Model, core: Core = None, trust: Trust = False) -> None:
     for sentence in diagnosis.warnings:
         warnings.warn(JoustoWarning(sentence), stacklevel=1)
     if settings is not None:
+        from jousto.simulation.solvers.bounded_work import check_bounded
         from jousto.simulation.solvers.default_solver import choose
         from jousto.simulation.solvers.schedule import schedule
         from jousto.simulation.solvers.stability import stability_warning
@@ -280,6 +281,7 @@ def check(model: Model, core: Core = None, trust: Trust = False) -> None:
             solver, reason = choose(compiled, settings.t_end, settings.output_step)
             facts([("solver", f"{solver}, {reason}")])
         steps = schedule(compiled, settings.t_end, solver, settings.output_step)
+        check_bounded(compiled, solver)
         if compiled.fmus:
             from jousto.simulation.cosimulation.requirements import check_coupling
 

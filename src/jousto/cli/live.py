@@ -111,6 +111,7 @@ def timekeeping(glance: Glance) -> list[tuple[str, str]]:
         ("largest lateness (ms)", f"{1e3 * glance.latest:.3f}"),
         ("steps that ended after the next was due", str(glance.missed)),
         ("times that 0.25 s were given up", str(glance.given_up)),
+        *([("steps that deferred a change", str(glance.deferred))] if glance.deferred else []),
         *(
             (f"  {name}", f"{count} ({100.0 * count / total:.2f} %)")
             for name, count in zip(names, glance.late, strict=True)

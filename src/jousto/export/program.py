@@ -20,6 +20,7 @@ from jousto.model.native.library import ffi
 from jousto.model.native.native import Engine
 from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.base import Solver, prepared
+from jousto.simulation.solvers.bounded_work import check_bounded
 from jousto.simulation.solvers.default_solver import choose_fixed
 from jousto.simulation.state import State, put
 
@@ -36,6 +37,7 @@ FIELDS = (
         "modified",
     ),
     "plain_inertia",
+    "step_ends",
 )
 
 
@@ -182,6 +184,7 @@ def program(
             )
         )
     refuse(model)
+    check_bounded(model, chosen)
     if not chosen.joint_coordinates:
         model = replace(model, tree=())
     engine = Engine(model)

@@ -49,6 +49,8 @@ class StepTimes:
         Requests to the operating system, and whether each was granted; empty without requests.
     work : Work or None
         Instruction count of a step; None without Valgrind.
+    deferred : int
+        Number of steps of bounded work that left a change of friction or an event to the next one.
     """
 
     name: str
@@ -61,6 +63,7 @@ class StepTimes:
     bytes: int
     granted: tuple[tuple[str, bool], ...] = ()
     work: Work | None = None
+    deferred: int = 0
 
     def share(self, part: float) -> float:
         """Return the quantile of the step times, s, for a part of the steps such as 0.999."""
@@ -94,6 +97,10 @@ class StepTimes:
             *(
                 f"{what}: {'yes' if allowed else 'not allowed here'}"
                 for what, allowed in self.granted
+            ),
+            *(
+                [f"deferred   a change to the next step: {self.deferred} steps"]
+                * (self.deferred > 0)
             ),
             str(self.work)
             if self.work is not None
@@ -164,7 +171,7 @@ def time_steps(made: Program, binary: Path, steps: int, *, urgent: bool) -> Step
             Problem("realtime", "the motion of the machine diverges; simulate it first")
         )
     first, *rest = done.stdout.splitlines()
-    count, total, worst, size, allowed = first.split()
+    count, total, worst, size, allowed, deferred = first.split()
     asked = tuple((what, bool(int(allowed) & bit)) for what, bit in ASKED.items())
     table = np.array([[float(x) for x in row.split()] for row in rest])
     return StepTimes(
@@ -177,4 +184,5 @@ def time_steps(made: Program, binary: Path, steps: int, *, urgent: bool) -> Step
         table[:, 1],
         int(size),
         asked if urgent else (),
+        deferred=int(deferred),
     )

@@ -35,6 +35,7 @@ from jousto.simulation.results.events import Chronicle
 from jousto.simulation.running.simulate import failure_ending
 from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.base import Solver, prepared
+from jousto.simulation.solvers.bounded_work import check_bounded
 from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.schedule import Schedule
 from jousto.simulation.state import State, put, take
@@ -91,6 +92,7 @@ class LiveMachine:
             raise InputError(
                 Problem("live", f"{name} chooses its steps itself; use a method with a fixed step")
             )
+        check_bounded(model, chosen)
         self.solver: Any = chosen if step is None else replace(chosen, step=step)
         self.step_size = float(self.solver.step)
         self.every = max(1, round((interval or INTERVAL) / self.step_size))

@@ -49,6 +49,8 @@ class Glance:
         Number of steps in each class of lateness, see `real_time_clock.EDGES`.
     missed, given_up : int
         Number of steps that ended after the next one was due; number of skipped delays.
+    deferred : int
+        Number of steps of bounded work that left a change of friction or an event to the next one.
     recording : str
         Path of the file being written; empty if there is none.
     message : str
@@ -67,6 +69,7 @@ class Glance:
     late: tuple[int, ...]
     missed: int
     given_up: int
+    deferred: int
     recording: str
     message: str
     inputs: dict[str, float]
@@ -377,6 +380,7 @@ class Runner:
             late=tuple(pace.late),
             missed=pace.missed,
             given_up=pace.given_up,
+            deferred=int(machine.engine.counts.deferred),
             recording="" if self._recorder is None else str(self._recorder.path),
             message=self._message,
             inputs=machine.inputs,

@@ -25,6 +25,7 @@ from jousto.simulation.running.run_checks import Contradiction, RunWatch
 from jousto.simulation.running.simulate import simulate
 from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.base import prepared, solver_text
+from jousto.simulation.solvers.bounded_work import check_bounded
 from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.implicit import Newton
 from jousto.simulation.solvers.schedule import schedule
@@ -78,6 +79,7 @@ class Repeated:
             self.how["solver"] = solver = tight
         self._solver = solver
         self.plan = plan = schedule(model, t_end, solver, output, start)
+        check_bounded(model, solver)
         self._rows = plan.steps // plan.every + 1
         last = columns(model)[-1]
         self._width = last.first + last.count

@@ -37,6 +37,7 @@ from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.adaptive import LONGEST, follow, too_many_steps
 from jousto.simulation.solvers.base import Solver, prepared, solver_text
 from jousto.simulation.solvers.beam_checks import warn_bent
+from jousto.simulation.solvers.bounded_work import check_bounded, deferred_warning
 from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.schedule import Schedule, cautions, schedule
 from jousto.simulation.solvers.stability import stability_warning
@@ -161,6 +162,7 @@ def simulate(
         solver, reason = choose(model, t_end, output_step, start)
         log.info("%s: %r, %s", model.name, solver, reason)
     plan = schedule(model, t_end, solver, output_step, start)
+    check_bounded(model, solver)
     check_trust(model)
     check_coupling(model, solver, plan, state, inputs)
     model, feed = connect(model, inputs, plan.steps, plan.every)
@@ -289,6 +291,8 @@ def _run(
         reached = float(engine.time[0].real)
         factor = (reached - plan.start) / wall if wall > 0 else 0.0
         facts = {"ended": ended, "wall_time": wall, "real_time_factor": factor}
+        if solver.bounded:
+            facts["deferred"] = int(engine.counts.deferred)
         try:
             return keeper.close(complete, facts)
         except OSError as error:
@@ -323,6 +327,8 @@ def _run(
             f"only the first {EVENTS} events are in the results; declare fewer events",
         )
     watch.judge()
+    if sentence := deferred_warning(int(engine.counts.deferred), int(engine.counts.steps)):
+        warn(f"simulate {engine.model.name!r}", sentence)
     if engine.model.beams:
         warn_bent(engine)
     if engine.model.frictions and not watch.rubbed:

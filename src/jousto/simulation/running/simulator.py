@@ -23,6 +23,7 @@ from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import free_bytes
 from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.base import Solver, known, prepared
+from jousto.simulation.solvers.bounded_work import check_bounded
 from jousto.simulation.solvers.rosenbrock import ROS2
 from jousto.simulation.state import State, put, take
 
@@ -105,6 +106,7 @@ class Simulator:
             problems.add("Simulator", f"every is {every!r}, must be a whole number from 1 on")
         problems.raise_if_any()
         without_fmus(model, "Simulator", "steps in simulate alone")
+        check_bounded(model, chosen)
         warn_loads(model)
         self.model = model
         self.events: tuple[Happening, ...] = ()
@@ -124,6 +126,14 @@ class Simulator:
     def time(self) -> float:
         """Simulated time, s."""
         return float(self._engine.time[0])
+
+    @property
+    def deferred(self) -> int:
+        """Steps so far that left a change of friction or an event to the next step.
+
+        Only solvers with ``events="step"`` defer changes, when their passes are used up.
+        """
+        return int(self._engine.counts.deferred)
 
     def set(self, name: str, value: float) -> None:
         """Set an external input to a value that remains until the next `set` of this input.
@@ -237,6 +247,7 @@ class _Record:
 
     def __init__(self, path: Path, engine: Engine, solver: Any, every: int) -> None:
         self.path, self.every, self._engine, self._begun = path, every, engine, False
+        self._bounded = solver.bounded
         self._room = max(2, min(LONGEST, int(0.5 * free_bytes(path) / (8 * engine.row_size))))
         about = {
             "solver": repr(solver),
@@ -283,4 +294,6 @@ class _Record:
         """Close the file and return its results."""
         wall = clock.perf_counter() - self._started
         facts = {"ended": ended, "wall_time": wall, "real_time_factor": float("nan")}
+        if self._bounded:
+            facts["deferred"] = int(self._engine.counts.deferred)
         return self._keeper.close(complete, facts)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.declare import Declared, kinds
-from jousto.base.fields import Flag, OptionalItem, field
+from jousto.base.fields import Choice, Flag, OptionalItem, field
 from jousto.base.numbers import Duration, Number
 from jousto.model.native.tableau import Tableau, tableau
 
@@ -17,6 +17,13 @@ if TYPE_CHECKING:
     from jousto.model.native.native import Engine
 
 ROOM = "jousto.simulation.solvers"
+EVENTS: Any = field(
+    "When events and transitions between stick and slip take effect: at their instants, which are "
+    "located by repetition of the step, or at the ends of steps, so that the work of a step is "
+    "bounded, with an error of first order in the step",
+    words=("located", "step"),
+    default="located",
+)
 
 
 class _OfTableau:
@@ -68,7 +75,12 @@ class Solver(Declared, section="solvers", by_value=True):
     @property
     def options(self) -> dict[str, float | int]:
         """Further fields of the engine's jo_solver."""
-        return {}
+        return {"step_ends": int(self.bounded)}
+
+    @property
+    def bounded(self) -> bool:
+        """Whether events and transitions of friction take effect at the ends of steps."""
+        return getattr(self, "events", "located") == "step"
 
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
         """Return a mask of the linear oscillations ``y' = lambda y`` that grow at this step."""
@@ -140,6 +152,7 @@ class Staged(Solver):
         wanted="Baumgarte(alpha, beta)",
         default=None,
     )
+    events: Choice = EVENTS
 
     @property
     def tableau(self) -> Tableau:

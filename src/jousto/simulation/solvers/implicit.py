@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from jousto.base.fields import Choice, Flag, field
 from jousto.base.numbers import Duration, Number, NumberOrWord, Whole
-from jousto.simulation.solvers.base import Solver
+from jousto.simulation.solvers.base import EVENTS, Solver
 
 STEP: Any = field("Step size", default=1e-3)
 TIGHT = 1e-10  # tolerance where "auto" has no estimate of the error of the step
@@ -80,13 +80,17 @@ class Newton(Solver):
         names = ("alpha_m", "alpha_f", "newmark_beta", "newmark_gamma")
         solver: Any = self
         automatic = solver.tolerance == "auto"
-        return dict(zip(names, self.coefficients, strict=True)) | {
-            "tolerance": TIGHT if automatic else solver.tolerance or 0.0,
-            "error_share": SHARE if automatic and solver.projection else 0.0,
-            "iterations": solver.max_iterations,
-            "modified": int(solver.tangent == "modified"),
-            "plain_inertia": int(not solver.inertia_tangents),
-        }
+        return (
+            super().options
+            | dict(zip(names, self.coefficients, strict=True))
+            | {
+                "tolerance": TIGHT if automatic else solver.tolerance or 0.0,
+                "error_share": SHARE if automatic and solver.projection else 0.0,
+                "iterations": solver.max_iterations,
+                "modified": int(solver.tangent == "modified"),
+                "plain_inertia": int(not solver.inertia_tangents),
+            }
+        )
 
     def tight(self) -> Newton:
         """Return the method with a fixed tolerance instead of "auto"."""
@@ -132,6 +136,7 @@ class GeneralizedAlpha(Newton, tag="GeneralizedAlpha"):
     tangent: Choice = TANGENT
     projection: Flag = PROJECTION
     inertia_tangents: Flag = INERTIA
+    events: Choice = EVENTS
 
     @property
     def coefficients(self) -> tuple[float, float, float, float]:
@@ -174,6 +179,7 @@ class Newmark(Newton, tag="Newmark"):
     tangent: Choice = TANGENT
     projection: Flag = PROJECTION
     inertia_tangents: Flag = INERTIA
+    events: Choice = EVENTS
 
     @property
     def coefficients(self) -> tuple[float, float, float, float]:

@@ -27,7 +27,7 @@ class RK4(RungeKutta, tag="RK4"):
     Examples
     --------
     >>> RK4(step=1e-3)
-    RK4(step=0.001, projection=True, baumgarte=None)
+    RK4(step=0.001, projection=True, baumgarte=None, events='located')
     """
 
     method: ClassVar[str] = "rk4"

@@ -1,0 +1,53 @@
+"""Steps of bounded work (``events="step"``): models that they fit, and the changes they defer."""
+
+from __future__ import annotations
+
+from jousto.base.errors import InputError, Problem
+from jousto.model.model import Model
+from jousto.simulation.solvers.base import Solver
+
+
+def check_bounded(model: Model, solver: Solver) -> None:
+    """Raise an error if a model cannot be stepped with bounded work.
+
+    A contact takes shorter steps while it touches, as many as it needs; a rigid stop or lock ends a
+    step at its impact.
+
+    Raises
+    ------
+    InputError
+        With all contacts, rigid stops and locks of the model, for a solver with ``events="step"``.
+    """
+    if not solver.bounded:
+        return
+    name = type(solver).__name__
+    problems = [
+        Problem(
+            f"force {force.name!r}",
+            f"is a contact, which takes shorter steps while it touches, but {name} has "
+            'events="step", whose work is bounded; take events="located", or a Stop',
+        )
+        for force in model.forces
+        if force.kind == "contact"
+    ]
+    problems += [
+        Problem(
+            f"joint {row.name!r}",
+            f'ends a step at each impact, but {name} has events="step", whose work is bounded; '
+            'take events="located", or a Stop with a stiffness',
+        )
+        for row in model.switched
+    ]
+    if problems:
+        raise InputError(problems)
+
+
+def deferred_warning(deferred: int, steps: int) -> str:
+    """Return a sentence if steps left changes to the next one, else an empty text."""
+    if not deferred:
+        return ""
+    return (
+        f"{deferred} of {steps} steps left a change of friction or an event to the next step, "
+        "since a step of bounded work makes two passes for them; take a smaller step, or "
+        'events="located"'
+    )
