@@ -38,6 +38,7 @@ typedef double jo_real;
  *   `ratio` times as far), e = s - s_2 / ratio - free
  * pid: controller with integral part and filtered derivative, see force_pid.c; two states from jo_force.state on
  * contact: a sphere on b, centre in frame b, touches a shape of a, see force_contact.c and jo_shape_type; six states from jo_force.state on
+ * contact_pair: two convex polytopes, see force_contact_pair.c; 8 states for each of up to 8 points
  * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
  *   coefficients of (s - s_k)^0..3 of the position and of each mode shape; at s = reference(t), times signal; 0 beyond the ends */
 #define JO_CONTACT_LAW stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, mass, duration
@@ -53,6 +54,7 @@ typedef double jo_real;
     ROW(pid, proportional, integral, derivative, weight, filter, filter_share, tracking, tracking_share, lower, upper, start, speed) \
     ROW(plastic, stiffness, free, strength, kinematic, recovery, isotropic, saturation, rate) \
     ROW(gear_spring, stiffness, damping, ratio, free) \
+    ROW(contact_pair, JO_CONTACT_LAW) \
     /* the last row */
 
 /* Methods of integration, a row each: ROW(name, family, order, stages, coefficients), which the Python binding reads, too. A row makes
@@ -637,6 +639,9 @@ void jo_recover(const double *S, long long ns, int rows, int k, const double *p,
 void jo_recover_extremes(const double *S, long long ns, int rows, int k, const double *p, long long nt, const double *w,
                          int criterion, double scale, long long first, double *low, long long *low_at, double *high,
                          long long *high_at);
+/* unit normal from a to b (3) and signed distance, m, of two convex polytopes; data: numbers of both, as after the law of a contact_pair;
+ * b is at r (3), turned by R (9) */
+void jo_pair_distance(const jo_real *data, const jo_real *r, const jo_real *R, double *y);
 /* principal values (count x 3), descending, of s (count x 6); directions (count x 3 x 3) in columns, or NULL */
 void jo_principal(const double *s, long long count, double *values, double *directions);
 /* END */

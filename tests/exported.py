@@ -102,6 +102,10 @@ def reaching_arm() -> jo.Mechanism:
             *(weld.b, jo.mechanism.Sphere(0.05), jo.mechanism.PowerLaw(1e3)),
             mu_kinetic=0.3,
         ),
+        jo.mechanism.Contact(
+            *("lid", jo.ground.at((3.0, 1.0, 0.0)), jo.mechanism.Cuboid((0.6, 0.6, 0.6))),
+            *(kite["origin"], jo.mechanism.Capsule(0.2, 0.06), jo.mechanism.PowerLaw(1e3)),
+        ),
         jo.mechanism.PlasticSpring(
             *("shear pin", lift.angle, 60.0, 1.5),
             kinematic=30.0,

@@ -1,4 +1,5 @@
-/* contact.h - signed distance of shapes, and contacts in the matrix of a Rosenbrock method; functions for other rooms. */
+/* contact.h - signed distance of shapes, corners of the area in which two of them touch, and contacts in the matrix of a Rosenbrock method;
+ * functions for other rooms. */
 #ifndef JO_CONTACT_H
 #define JO_CONTACT_H
 
@@ -20,6 +21,7 @@ typedef enum {
 /* Signed distance of a point outside of a shape (inside: negative), m; its gradient, the outward normal; its second derivatives, 1/m. */
 typedef struct { jo_real gap, normal[3], hessian[9]; } jo_distance;
 
+enum { JO_PAIR_STATES = 8 };      /* states of a point of a contact_pair */
 enum { JO_TREE_CONTACT_ROWS = 48 };   /* largest number of rows of contacts that a tree in joint coordinates takes, three a contact */
 
 /* A contact in the matrix M + J^T G J of a step, G = g h D + (g h)^2 (K + B): derivatives of its force F on b with respect to the position
@@ -37,7 +39,10 @@ typedef struct jo_contact_matrix {
 } jo_contact_matrix;
 
 /* number of points of a force at which two bodies touch */
-static inline int jo_contact_points(const jo_force *f) { return f->type == JO_FORCE_contact; }
+static inline int jo_contact_points(const jo_force *f)
+{
+    return f->type == JO_FORCE_contact ? 1 : f->type == JO_FORCE_contact_pair ? f->states / JO_PAIR_STATES : 0;
+}
 static inline int jo_contact_count(const jo_model *m)
 {
     int n = 0;
@@ -70,6 +75,46 @@ static inline const jo_contact_matrix *jo_next_contact(const jo_data *d, const j
     return 0;
 }
 
+/* Convex polytope with rounded edges: all points within a radius of it. A half-space has one face and no vertices, a point one vertex, a
+ * segment two, without faces. r, R: its origin and axes in the frame in which two of them meet. */
+typedef struct {
+    int vertices, faces;
+    const jo_real *centre, *vertex, *plane, *first, *corner, *near, *neighbour;   /* see polytope.c */
+    jo_real radius;
+    double r[3], R[9];
+} jo_polytope;
+
+/* Features of a and of b that touch; kind: 3 times the dimension of that of a, plus that of b. Vertices, or a face. */
+typedef enum { JO_VERTEX_VERTEX = 0, JO_VERTEX_EDGE = 1, JO_VERTEX_FACE = 2, JO_EDGE_VERTEX = 3, JO_EDGE_EDGE = 4, JO_FACE_VERTEX = 6 } jo_feature_kind;
+typedef struct { int kind, a[2], b[2]; } jo_feature_pair;
+enum { JO_MAX_VERTICES = 1024 };    /* vertices or faces of a polytope that a code can name */
+static inline double jo_feature_code(const jo_feature_pair *f)
+{
+    return 1.0 + (((f->kind * (double)JO_MAX_VERTICES + f->a[0]) * JO_MAX_VERTICES + f->a[1]) * JO_MAX_VERTICES + f->b[0]) * JO_MAX_VERTICES + f->b[1];
+}
+static inline jo_feature_pair jo_feature_of(double code)
+{
+    long long x = (long long)code - 1;
+    int part[4];
+    for (int i = 3; i >= 0; i--, x /= JO_MAX_VERTICES) part[i] = (int)(x % JO_MAX_VERTICES);
+    const jo_feature_pair f = {(int)x, {part[0], part[1]}, {part[2], part[3]}};
+    return f;
+}
+
+/* Gap of two features, m, less both radii; normal from a to b; foot point on a; how the normal turns, see feature.c */
+typedef struct {
+    int kind, rule[2];
+    jo_real gap, normal[3], foot[3], u[2][3], dual[2][3], edge[3], across[3];
+} jo_feature;
+
+/* Gap of two polytopes, m, less both radii, normal, and how it was found: face of a or b, vertices of two edges, closest points */
+typedef enum { JO_CLOSEST_POINTS, JO_FACE_A, JO_FACE_B, JO_EDGES } jo_separation_kind;
+typedef struct { int kind, of[4], count[2]; double gap, normal[3]; } jo_separated;
+
+/* Corner of the area in which two faces touch: code of its features, share of a stiffness of a corner, place */
+typedef struct { double code, weight, at[3]; } jo_corner;
+enum { JO_CORNERS = 8 };    /* largest number */
+
 /* shape_distance.c */
 void jo_shape_distance(int shape, const jo_real *size, const jo_real *x, jo_distance *y);
 
@@ -83,5 +128,19 @@ void jo_contact_push(const jo_model *m, jo_data *d, const jo_stage *stage, const
 void jo_contact_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage);   /* s' with the accelerations of the stage */
 void jo_contact_add_to_newton(const jo_model *m, jo_data *d);   /* J^T G J */
 void jo_contact_subtract(const jo_model *m, jo_data *d, const jo_real *a);   /* J^T G J a from the right-hand side of Newton's matrix */
+
+/* polytope.c */
+const jo_real *jo_polytope_read(const jo_real *data, jo_polytope *p);   /* returns the end of its data */
+void jo_polytope_place(jo_polytope *p, const jo_real *r, const jo_real *R);   /* NULL: at the origin */
+
+/* separation.c */
+void jo_separation(const jo_polytope *a, const jo_polytope *b, const jo_separated *before, jo_separated *y);   /* before: where it was found, or NULL */
+
+/* corners.c */
+int jo_corners(const jo_polytope *a, const jo_polytope *b, const jo_separated *s, jo_corner *list);   /* their number, up to JO_CORNERS */
+
+/* feature.c */
+void jo_feature_at(const jo_polytope *A, const jo_polytope *B, const jo_real *r, const jo_real *R, jo_real code, jo_feature *y);
+void jo_feature_change(const jo_feature *y, const jo_real *r, const jo_real *x, const jo_real *phi, jo_real *gap, jo_real *normal, jo_real *foot);
 
 #endif

@@ -61,6 +61,19 @@ void jo_contact_move_states(const jo_model *m, jo_data *d, const jo_stage *stage
     if (moves && jo_condenses(stage)) jo_contact_stretched(jo_states(m, d) + state + JO_CONTACT_STRETCH, y);
 }
 
+void jo_contact_hold_states(const jo_model *m, jo_data *d, const jo_stage *stage, int first, int count)
+{
+    static const jo_slopes_of_state none = {0.0, 0.0, 0.0, 0.0};
+    for (int k = first; k < first + count; k++) {
+        if (jo_condenses(stage)) {
+            jo_condense_state(m, d, stage, k, jo_same(0.0), jo_same(0.0));
+            continue;
+        }
+        jo_state_rates(m, d)[k] = jo_same(0.0);
+        if (stage->set && !stage->earlier) d->forces.slopes[k] = none;
+    }
+}
+
 /* states of a point that overlaps, by its phase */
 static void change_phase(const jo_contact_law *x, const jo_contact_point *y, jo_real *state)
 {

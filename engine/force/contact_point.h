@@ -63,6 +63,7 @@ void jo_contact_implicit(const jo_model *m, jo_data *d, const jo_stage *stage, c
 /* contact_phase.c: `state` are those of a point */
 void jo_contact_start(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state);
 void jo_contact_move_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_contact_law *x, int state, jo_contact_point *y);
+void jo_contact_hold_states(const jo_model *m, jo_data *d, const jo_stage *stage, int first, int count);   /* constant within a step */
 jo_real jo_contact_update(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state);   /* returns the energy that it dissipates */
 jo_real jo_contact_margin(const jo_contact_law *x, const jo_real *state, const jo_contact_point *y);   /* < 0: the phase has ended */
 double jo_contact_longest_step(const jo_contact_law *x, const jo_real *state, jo_real time, const jo_contact_point *y);   /* y NULL: implicit */

@@ -21,7 +21,7 @@ typedef struct {
     jo_real (*update)(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x);
     /* < 0: its branch has changed within the step */
     jo_real (*margin)(const jo_model *m, const jo_data *d, const jo_force *f);
-    int (*jumps)(const jo_real *before, const jo_real *after);   /* whether the force jumps with a change of its states; NULL: never */
+    int (*jumps)(const jo_force *f, const jo_real *before, const jo_real *after);   /* whether the force jumps with a change of its states; NULL: never */
     /* step that resolves its motion, s, and with which an explicit method is stable; NULL: any */
     double (*longest_step)(const jo_model *m, const jo_data *d, const jo_force *f, int explicit_method);
     /* states from which the step of an implicit method converges, after one that did not; whether they are others; NULL: never */

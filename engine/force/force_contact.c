@@ -146,7 +146,11 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
 }
 
 /* a bristle that breaks changes mu_static to mu_kinetic */
-static int jumps(const jo_real *before, const jo_real *after) { return jo_contact_phase(before) != jo_contact_phase(after); }
+static int jumps(const jo_force *f, const jo_real *before, const jo_real *after)
+{
+    (void)f;
+    return jo_contact_phase(before) != jo_contact_phase(after);
+}
 
 static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach};
 const jo_force_kind jo_force_contact = {apply, stored, tangent, start, nominals, &yielding};

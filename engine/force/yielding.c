@@ -3,7 +3,7 @@
 #include "maximal/maximal.h"
 #include "force/force.h"
 
-enum { JO_MAX_YIELDING_STATES = 8 };   /* states of a force that yields */
+enum { JO_MAX_YIELDING_STATES = 64 };   /* states of a force that yields */
 
 int jo_yielding_ready(const jo_model *m, jo_data *d)
 {
@@ -71,7 +71,7 @@ int jo_accept_yielding(const jo_model *m, jo_data *d)
         const jo_force *f = &m->force[d->forces.yielding[k]];
         const jo_yielding *kind = jo_yielding_of(f);
         d->work.damping += update_of(m, d, f, x);
-        jumped |= kind->jumps && kind->jumps(jo_states(m, d) + f->state, x);
+        jumped |= kind->jumps && kind->jumps(f, jo_states(m, d) + f->state, x);
         for (int i = 0; i < f->states; i++) jo_states(m, d)[f->state + i] = x[i];
     }
     return jumped;

@@ -12,6 +12,7 @@ from .contacts.laws import (
 from .contacts.shapes import (
     Bore as Bore,
     Capsule as Capsule,
+    ConvexHull as ConvexHull,
     Cuboid as Cuboid,
     Cylinder as Cylinder,
     HalfSpace as HalfSpace,

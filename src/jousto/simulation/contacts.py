@@ -25,7 +25,7 @@ def contact_states(model: Model, begin: str) -> NDArray[np.intp]:
     found = [
         force.state + i
         for force in contacts(model)
-        for i, name in enumerate(force.law.states)
+        for i, name in enumerate(force.state_names)
         if name.startswith(begin)
     ]
     return np.array(found, dtype=np.intp)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import Any, ClassVar
 
@@ -13,9 +14,16 @@ from jousto.base.arrays import Array
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import Nested, field
-from jousto.base.numbers import Number
+from jousto.base.numbers import Number, Values
 from jousto.base.object_repr import described
 from jousto.mechanism.bodies.shapes import Lengths, box, cylinder, revolved, sphere
+from jousto.mechanism.contacts.polytopes import (
+    MOST_CORNERS,
+    MOST_VERTICES,
+    Polytope,
+    half_space,
+    hull,
+)
 
 FLAT = 2.0
 """Half the side of the square that shows a half-space, m."""
@@ -46,7 +54,7 @@ class Shape(Declared, section="contact shapes", by_value=True):
     Attributes
     ----------
     code : int
-        Number of the shape in ``jo_shape_type`` of the engine.
+        Number of the shape in ``jo_shape_type`` of the engine; -1: none.
     round : bool
         Whether the shape is one sphere, which touches every other shape in one point.
     hollow : bool
@@ -69,6 +77,11 @@ class Shape(Declared, section="contact shapes", by_value=True):
         return ()
 
     @property
+    def polytope(self) -> Polytope | None:
+        """The shape as a polytope with rounded edges; None if it is none."""
+        return None
+
+    @property
     def curvature(self) -> float | None:
         """Curvature of a sphere, 1/m; 0 for a plane, negative if hollow; None: differs by place."""
         return None
@@ -84,6 +97,11 @@ class HalfSpace(Shape, tag="half-space"):
 
     code = 0
     hollow = True
+
+    @property
+    def polytope(self) -> Polytope:
+        """Its face."""
+        return half_space()
 
     @property
     def curvature(self) -> float:
@@ -113,6 +131,11 @@ class Sphere(Shape, tag="sphere"):
     def tips(self) -> tuple[Tip, ...]:
         """The sphere itself."""
         return (Tip((0.0, 0.0, 0.0), self.radius),)
+
+    @property
+    def polytope(self) -> Polytope:
+        """Its centre with its radius."""
+        return Polytope(np.zeros((1, 3)), radius=self.radius)
 
     @property
     def curvature(self) -> float | None:
@@ -169,6 +192,11 @@ class Capsule(Shape, tag="capsule"):
         return (Tip((0.0, 0.0, -half), self.radius), Tip((0.0, 0.0, half), self.radius))
 
     @property
+    def polytope(self) -> Polytope:
+        """Its axis with its radius."""
+        return Polytope(np.array([tip.centre for tip in self.tips]), radius=self.radius)
+
+    @property
     def triangles(self) -> Array:
         """Its surface."""
         angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 16)
@@ -197,6 +225,11 @@ class Cuboid(Shape, tag="cuboid"):
         """Its corners."""
         x, y, z = self.size
         return tuple(Tip((i * x, j * y, k * z), 0.0) for i, j, k in product((-1, 1), repeat=3))
+
+    @property
+    def polytope(self) -> Polytope:
+        """Its corners, edges and faces."""
+        return hull(np.array([tip.centre for tip in self.tips]))
 
     @property
     def triangles(self) -> Array:
@@ -268,6 +301,59 @@ class Torus(Shape, tag="torus"):
         )
 
 
+@described
+class ConvexHull(Shape, tag="convex-hull"):
+    """Hull of points, found by Qhull when it is declared: any convex part with flat faces.
+
+    Examples
+    --------
+    >>> wedge = ConvexHull([(0, 0, 0), (2, 0, 0), (0, 1, 0), (2, 1, 0), (0, 0, 1), (0, 1, 1)])
+    >>> len(wedge.polytope.vertices), len(wedge.polytope.faces)
+    (6, 5)
+    """
+
+    code = -1
+    points: Values = field("Points in the frame of the marker", unit="m", shape=(None, 3))
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Report points that have no hull, and hulls that are too fine."""
+        try:
+            found = self.polytope
+        except ValueError as error:
+            problems.add(where, f"points: {error}", "points")
+            return
+        finest = max(len(face) for face in found.faces)
+        if max(len(found.vertices), len(found.faces)) > MOST_VERTICES or finest > MOST_CORNERS:
+            problems.add(
+                where,
+                f"the hull has {len(found.vertices)} vertices, {len(found.faces)} faces and up to "
+                f"{finest} corners a face; at most {MOST_VERTICES}, {MOST_VERTICES} and "
+                f"{MOST_CORNERS} are possible: take fewer points",
+                "points",
+            )
+
+    @property
+    def size(self) -> tuple[float, ...]:
+        """Largest distance of a vertex from the marker."""
+        return (float(np.linalg.norm(self.polytope.vertices, axis=1).max()),)
+
+    @cached_property
+    def polytope(self) -> Polytope:
+        """The hull."""
+        return hull(self.points)
+
+    @property
+    def triangles(self) -> Array:
+        """Its surface."""
+        x = self.polytope.vertices
+        fans = [
+            [face[0], face[i], face[i + 1]]
+            for face in self.polytope.faces
+            for i in range(1, len(face) - 1)
+        ]
+        return np.asarray(x[np.array(fans)])
+
+
 class ShapeField(Nested[Shape, Shape]):
     """Field of a shape, which a model file declares by its type and sizes."""
 
@@ -285,7 +371,7 @@ class ShapeField(Nested[Shape, Shape]):
 def touching(on: Shape, of: Shape) -> Sequence[Tip] | None:
     """Return the tips of `of` that touch `on`; None if this pair is not available."""
     if of.round:
-        return of.tips
+        return of.tips if on.code >= 0 else None
     ring = any(tip.ring for tip in of.tips)
     if not on.hollow or not of.tips or (ring and not isinstance(on, HalfSpace)):
         return None

@@ -28,14 +28,40 @@ STATES = {
 SHEAR = 0.8235294117647058
 """2 (1 - nu) / (2 - nu) for nu = 0.3: shear stiffness of a contact over its normal stiffness."""
 
+POINT_STATES = STATES | {"features": "1", "weight": "1"}
+"""States of a point of two polytopes: also which features touch, and its share of the stiffness."""
+POINTS = 8
+"""Most points at which two polytopes touch (``JO_CORNERS``)."""
+
+LAW_NUMBERS = (
+    *("stiffness", "exponent", "damping", "slowest", "viscous", "full"),
+    *("shear", "mass", "duration"),
+)
+
+
+def _point_states(points: int) -> dict[str, str]:
+    """Units of the states by name; those of the second point end with 2, and so on."""
+    return {
+        f"{key} {i + 1}" if i else key: unit
+        for i in range(points)
+        for key, unit in POINT_STATES.items()
+    }
+
+
 EngineLaw(
     "contact",
     units={"mu_static": "1", "mu_kinetic": "1"},
-    constants=(
-        *("shape", "size", "centre", "radius", "ring", "stiffness", "exponent", "damping"),
-        *("slowest", "viscous", "full", "shear", "mass", "duration"),
-    ),
+    constants=("shape", "size", "centre", "radius", "ring", *LAW_NUMBERS),
     states=STATES,
+    between=True,
+    fast={"contacts": ()},
+    yields=True,
+).declared()
+EngineLaw(
+    "contact pair",
+    units={"mu_static": "1", "mu_kinetic": "1"},
+    constants=LAW_NUMBERS,
+    states=_point_states(POINTS),
     between=True,
     fast={"contacts": ()},
     yields=True,
@@ -45,10 +71,15 @@ EngineLaw(
 class Contact(ForceElement, tag="contact"):
     """Two shapes touch: a normal force with restitution, and friction that sticks without creep.
 
-    Shapes are fixed to markers of any bodies. A sphere (or a point) touches every shape; the tips
-    of a capsule or cuboid and the rim of a torus touch a half-space, tips also hollow shapes. The
-    depth d of the overlap gives the normal force by the law. Both bodies receive it at one common
-    point, in the middle of the overlap, so that momentum is kept exactly.
+    Shapes are fixed to markers of any bodies. A sphere (or a point) touches every shape; cuboids,
+    hulls and capsules touch each other and half-spaces; tips of a capsule or cuboid touch hollow
+    shapes, and the rim of a torus a half-space. The depth d of the overlap gives the normal force
+    by the law. Both bodies receive it at one common point, in the middle of the overlap, so that
+    momentum is kept exactly.
+
+    Two faces touch at the corners of the area that they share, up to 8. Each has the law, times a
+    weight: 1 at each of four corners of a whole rectangular face; the sum of the weights follows
+    the area, and their centre is the centre of the area.
 
     Friction acts through a bristle, a spring of stiffness ``shear dN/dd`` in the contact plane that
     breaks at ``mu_static N``; then the friction is ``mu_kinetic N`` against the slip, in the
@@ -112,12 +143,13 @@ class Contact(ForceElement, tag="contact"):
         """Report pairs that are not available, and laws that do not fit them."""
         if self.a.body is self.b.body:
             problems.add(where, f"a and b are both on {self.a.body.name!r}; take two bodies", "b")
-        if self._tips is None:
+        if self._tips is None and not self._convex:
             problems.add(
                 where,
                 f"{self.shape_a.tag} and {self.shape_b.tag} cannot touch in this version: a sphere "
-                "touches every shape, capsule and cuboid touch half-spaces, hollow spheres and "
-                "bores, a torus half-spaces",
+                "touches every shape; cuboid, capsule and convex-hull touch each other and "
+                "half-spaces; cuboid and capsule touch hollow spheres and bores, a torus "
+                "half-spaces",
                 "shape_b",
             )
         curvature = self._curvature
@@ -134,9 +166,17 @@ class Contact(ForceElement, tag="contact"):
             )
 
     @property
+    def _convex(self) -> bool:
+        """Whether both are polytopes, and at most one a half-space."""
+        shapes = (self.shape_a, self.shape_b)
+        return all(one.polytope for one in shapes) and not all(one.hollow for one in shapes)
+
+    @property
     def _swapped(self) -> bool:
-        """Whether the tips belong to a."""
-        return touching(self.shape_a, self.shape_b) is None
+        """Whether the tips belong to a, or b is the half-space of a pair of polytopes."""
+        if touching(self.shape_a, self.shape_b) is not None:
+            return False
+        return self.shape_b.hollow or touching(self.shape_b, self.shape_a) is not None
 
     @property
     def _sides(self) -> tuple[Marker, Shape, Marker, Shape]:
@@ -157,9 +197,9 @@ class Contact(ForceElement, tag="contact"):
     @property
     def unmeasured(self) -> str:  # type: ignore[override]
         """Why a `ForceSensor` cannot measure it: several tips have several forces."""
-        count = len(self._tips)
-        if count == 1:
+        if self._tips is None or len(self._tips) == 1:
             return ""
+        count = len(self._tips)
         return (
             f"has {count} tips; take a BodyLoadSensor of the applied forces, or a contact of a "
             "Sphere at each tip"
@@ -172,29 +212,52 @@ class Contact(ForceElement, tag="contact"):
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """One law of the engine for each tip."""
-        return tuple(self._push(tip) for tip in self._tips)
+        """One law of the engine for each tip, or one for a pair of polytopes."""
+        tips = self._tips
+        return (self._pair,) if tips is None else tuple(self._push(tip) for tip in tips)
 
-    def _push(self, tip: Tip) -> Push:
+    def _numbers(self, reach: float) -> dict[str, float]:
+        """Numbers of the law for a point of b at a distance `reach` from its marker, m."""
         a, on, b, _ = self._sides
         law = {"damping": 0.0, "slowest": 1.0, "viscous": 0.0, "full": 0.0}
         law |= self.law.numbers(self._curvature)
-        reach = hypot(*tip.centre) + tip.radius + tip.ring
         mass = 1.0 / (mobility(a, _reach(on)) + mobility(b, reach))
-        data: dict[str, Any] = {
-            "shape": on.code,
-            "size": ((*on.size, 0.0, 0.0, 0.0))[:3],
-            "centre": tip.centre,
-            "radius": tip.radius,
-            "ring": tip.ring,
-            **law,
+        return law | {
             "mu_static": self.mu_static,
             "mu_kinetic": self.mu_kinetic,
             "shear": self.shear if self.mu_static else 0.0,
             "mass": mass,
             "duration": duration(mass, law["stiffness"], law["exponent"]),
         }
+
+    def _push(self, tip: Tip) -> Push:
+        a, on, b, _ = self._sides
+        data: dict[str, Any] = {
+            "shape": on.code,
+            "size": ((*on.size, 0.0, 0.0, 0.0))[:3],
+            "centre": tip.centre,
+            "radius": tip.radius,
+            "ring": tip.ring,
+            **self._numbers(hypot(*tip.centre) + tip.radius + tip.ring),
+        }
         return Push("contact", data, a=a, b=b, states=tuple(STATES))
+
+    @property
+    def _pair(self) -> Push:
+        a, on, b, of = self._sides
+        assert on.polytope is not None and of.polytope is not None
+        points = [
+            POINTS if one.polytope.faces else len(one.polytope.vertices)  # type: ignore[union-attr]
+            for one in (on, of)
+        ]
+        return Push(
+            "contact pair",
+            self._numbers(_reach(of)),
+            rest=(on.polytope.numbers, of.polytope.numbers),
+            a=a,
+            b=b,
+            states=tuple(_point_states(min(points))),
+        )
 
 
 def _reach(shape: Shape) -> float:

@@ -363,6 +363,7 @@ LAWS: dict[str, Callable[[Push, Frames, Scalars], Law]] = {
 REFUSED = {
     "pid": "it does not integrate the states of controllers",
     "contact": "it has no bristles and does not locate a touch in time",
+    "contact pair": "it has no bristles and does not locate a touch in time",
     "plastic": "it has no plastic deformation that the end of a step keeps",
 }
 """Laws of the engine that the moving frame does not have, and why."""

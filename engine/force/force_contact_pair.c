@@ -1,0 +1,383 @@
+/* force_contact_pair.c - two convex polytopes with rounded edges touch: up to 8 points, each with the law and the states of force_contact.c.
+ *
+ * A point is a pair of features: a vertex over a face, two edges, ... (contact/feature.c). The list of points is found at the end of a step
+ * (contact/corners.c) and stays within a step, in which force and tangent are smooth functions of the motion. A point that is found again
+ * keeps its states; a new one continues those of the nearest point that has touched before, since a corner that leaves a face is followed by
+ * others at the same place. The law of a point is multiplied by its weight; what a change of the weights takes from the stored energy counts
+ * as dissipated. Without points the pair is apart: then its margin is the gap, and a step is proven by the speeds of both.
+ *
+ * Data: numbers of the law, then those of both polytopes (jo_polytope_read). States of a point: those of contact_point.h, code of the features
+ * (0: none), weight. */
+#include "maximal/maximal.h"
+#include "newton/newton.h"
+#include "contact/contact.h"
+#include "force/contact_point.h"
+
+enum { CODE = JO_CONTACT_STATES, WEIGHT, STATES = JO_PAIR_STATES };
+#define JO_SAME_WEIGHT 1e-9     /* change of a weight that is round-off */
+
+typedef struct {
+    jo_polytope a, b;
+    jo_real r[3], R[9];         /* origin and axes of b, resolved in a */
+    jo_real v[3], w[3];         /* velocity of this origin on a, and angular velocity; 0 at rest */
+} pair;
+
+/* A point with its law, in motion. */
+typedef struct { jo_contact_law law; jo_feature feature; jo_contact_point y; } point;
+
+static int slots(const jo_force *f) { return f->states / STATES; }
+static jo_real *states(const jo_data *d, const jo_force *f) { return d->w + (d->nw - d->forces.nstate) + f->state; }
+static int is_listed(const jo_real *state) { return JO_RE(state[CODE]) > 0.0; }
+static int touches(const jo_real *state) { return is_listed(state) && jo_contact_phase(state) != JO_CONTACT_APART; }
+
+static int any_listed(const jo_force *f, const jo_real *state)
+{
+    for (int i = 0; i < slots(f); i++)
+        if (is_listed(state + STATES * i)) return 1;
+    return 0;
+}
+
+static void read(const jo_data *d, const jo_force *f, pair *p)
+{
+    jo_polytope_read(jo_polytope_read((const jo_real *)(jo_contact_law_of(f) + 1), &p->a), &p->b);
+    jo_relative_pose(d, f, p->r, p->R);
+    for (int i = 0; i < 3; i++) p->v[i] = p->w[i] = jo_same(0.0);
+}
+
+static void read_motion(const jo_model *m, const jo_data *d, const jo_force *f, pair *p)
+{
+    read(d, f, p);
+    jo_relative_velocity(m, d, f, p->v, p->w);
+}
+
+/* signed distance, m */
+static double separate(pair *p, const jo_separated *before, jo_separated *s)
+{
+    jo_polytope_place(&p->a, 0, 0);
+    jo_polytope_place(&p->b, p->r, p->R);
+    jo_separation(&p->a, &p->b, before, s);
+    return s->gap - JO_RE(p->a.radius + p->b.radius);
+}
+
+/* place of a point, its motion and its force */
+static void present(const jo_force *f, const pair *p, const jo_real *state, point *t)
+{
+    jo_feature *g = &t->feature;
+    jo_contact_point *y = &t->y;
+    t->law = *jo_contact_law_of(f);
+    t->law.stiffness *= state[WEIGHT];
+    t->law.viscous *= state[WEIGHT];
+    jo_feature_at(&p->a, &p->b, p->r, p->R, state[CODE], g);
+    y->depth = p->a.radius + p->b.radius - g->gap;
+    for (int i = 0; i < 3; i++) {
+        y->normal[i] = g->normal[i];
+        y->lever[i] = g->foot[i] + (p->a.radius - 0.5 * y->depth) * g->normal[i] - p->r[i];
+        y->v[i] = p->v[i];
+        y->w[i] = p->w[i];
+    }
+    jo_contact_slide(y);
+    jo_contact_press(&t->law, state, y);
+    jo_contact_stretched(state + JO_CONTACT_STRETCH, y);
+}
+
+static jo_real energy(const jo_force *f, const pair *p, const jo_real *state)
+{
+    jo_real sum = {0.0};
+    point t;
+    for (int i = 0; i < slots(f); i++, state += STATES) {
+        if (!touches(state)) continue;
+        present(f, p, state, &t);
+        sum += jo_contact_energy(&t.law, jo_contact_phase(state), &t.y);
+    }
+    return sum;
+}
+
+static jo_real stored(const jo_data *d, const jo_force *f)
+{
+    pair p;
+    if (!any_listed(f, states(d, f))) return jo_same(0.0);
+    read(d, f, &p);
+    return energy(f, &p, states(d, f));
+}
+
+/* change of a point with the k-th motion of b */
+static jo_contact_change change_of(const pair *p, const point *t, int k)
+{
+    jo_contact_change c = {0.0, 0.0, {0.0}, {0.0}, {0.0}};
+    if (k < 6) {
+        jo_real x[3] = {0.0, 0.0, 0.0}, phi[3] = {0.0, 0.0, 0.0}, gap, foot[3];
+        (k < 3 ? x : phi)[k % 3] = jo_same(1.0);
+        jo_feature_change(&t->feature, p->r, x, phi, &gap, c.normal, foot);
+        c.depth = -gap;
+        for (int i = 0; i < 3; i++)
+            c.lever[i] = foot[i] + (p->a.radius - 0.5 * t->y.depth) * c.normal[i] - 0.5 * c.depth * t->y.normal[i] - x[i];
+    }
+    jo_contact_rates(&t->y, k, &c);
+    return c;
+}
+
+/* in the matrix of a Rosenbrock method */
+static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, int first, const pair *p, const point *t)
+{
+    jo_contact_change moves[6];   /* with position and velocity of b */
+    for (int k = 0; k < 6 && !stage->earlier && touches(jo_states(m, d) + first); k++) moves[k] = change_of(p, t, k < 3 ? k : k + 3);
+    jo_contact_implicit(m, d, stage, f, first, &t->y, moves);
+}
+
+static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *out)
+{
+    static const jo_force_work none = {{0.0}, 0.0, 0.0, 0.0};
+    const jo_real *state = states(d, f);
+    jo_real F[6], sum[6] = {0.0};
+    pair p;
+    point t;
+    int any = 0;
+    *out = none;
+    for (int i = 0; i < slots(f); i++, state += STATES) {
+        if (!touches(state)) {
+            jo_contact_hold_states(m, d, stage, f->state + STATES * i, STATES);
+            if (stage->contacts) add_implicit(m, d, stage, f, f->state + STATES * i, &p, &t);
+            continue;
+        }
+        if (!any++) read_motion(m, d, f, &p);
+        present(f, &p, state, &t);
+        jo_contact_move_states(m, d, stage, &t.law, f->state + STATES * i, &t.y);
+        jo_contact_hold_states(m, d, stage, f->state + STATES * i + CODE, STATES - CODE);
+        if (stage->contacts) add_implicit(m, d, stage, f, f->state + STATES * i, &p, &t);
+        if (!(JO_RE(t.y.depth) > 0.0)) continue;
+        jo_contact_force(&t.law, jo_contact_phase(state), &t.y, F, &d->power);
+        out->stored += jo_contact_energy(&t.law, jo_contact_phase(state), &t.y);
+        for (int k = 0; k < 6; k++) sum[k] += F[k];
+    }
+    if (any) jo_push_between(m, d, f, sum, out);
+    return JO_OK;
+}
+
+static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *unused)
+{
+    (void)unused;
+    const jo_real *state = states(d, f);
+    jo_real F[6], dF[6], sum[6] = {0.0}, X[6][12] = {{0.0}};
+    jo_work power = {0.0, 0.0, 0.0};
+    pair p;
+    point t;
+    int any = 0;
+    for (int i = 0; i < slots(f); i++, state += STATES) {
+        if (!touches(state)) continue;
+        if (!any++) read_motion(m, d, f, &p);
+        present(f, &p, state, &t);
+        if (!(JO_RE(t.y.depth) > 0.0)) continue;
+        jo_contact_force(&t.law, jo_contact_phase(state), &t.y, F, &power);
+        for (int k = 0; k < 6; k++) sum[k] += F[k];
+        for (int k = 0; k < 12; k++) {
+            const jo_contact_change c = change_of(&p, &t, k);
+            jo_contact_response(&t.law, stage, state, &t.y, &c, k, F, dF);
+            for (int j = 0; j < 6; j++) X[j][k] += dF[j];
+        }
+    }
+    if (any) jo_newton_between(m, d, f, sum, X);
+    return JO_OK;
+}
+
+/* states of a corner that is found: its own before, else those of the nearest point that touched, else apart */
+static void continue_states(const jo_force *f, const pair *p, const jo_corner *corner, const jo_real *old, jo_real *state)
+{
+    const jo_real *from = 0;
+    double nearest = INFINITY;
+    point t;
+    for (int i = 0; i < slots(f); i++, old += STATES) {
+        double distance = 0.0;
+        if (is_listed(old) && JO_RE(old[CODE]) == corner->code) {
+            from = old;
+            break;
+        }
+        if (!touches(old)) continue;
+        present(f, p, old, &t);
+        for (int k = 0; k < 3; k++) distance += pow(JO_RE(t.y.lever[k] + p->r[k]) - corner->at[k], 2);
+        if (distance >= nearest) continue;
+        nearest = distance;
+        from = old;
+    }
+    for (int k = 0; from && k < STATES; k++) state[k] = from[k];
+    const int same = from && JO_RE(from[CODE]) == corner->code && fabs(JO_RE(from[WEIGHT]) - corner->weight) < JO_SAME_WEIGHT;
+    state[CODE] = jo_same(corner->code);
+    if (!same) state[WEIGHT] = jo_same(corner->weight);
+}
+
+/* the face of a listed point, from which the search may start */
+static jo_separated face_of(const jo_force *f, const jo_real *state)
+{
+    jo_separated y = {JO_CLOSEST_POINTS, {0, 0, 0, 0}, {0, 0}, 0.0, {0.0, 0.0, 0.0}};
+    for (int i = 0; i < slots(f) && y.kind == JO_CLOSEST_POINTS; i++, state += STATES) {
+        if (!is_listed(state)) continue;
+        const jo_feature_pair of = jo_feature_of(JO_RE(state[CODE]));
+        if (of.kind == JO_FACE_VERTEX) y.kind = JO_FACE_A;
+        if (of.kind == JO_VERTEX_FACE) y.kind = JO_FACE_B;
+        y.of[0] = of.kind == JO_FACE_VERTEX ? of.a[0] : of.b[0];
+    }
+    return y;
+}
+
+/* the points of the present pose with the states that continue those in `state` */
+static void list(const jo_force *f, pair *p, jo_real *state)
+{
+    jo_separated s;
+    jo_corner corner[JO_CORNERS];
+    jo_real next[JO_CORNERS * STATES] = {0.0};
+    int last = 0;
+    const jo_separated before = face_of(f, state);
+    const int found = separate(p, before.kind == JO_CLOSEST_POINTS ? 0 : &before, &s) < 0.0 ? jo_corners(&p->a, &p->b, &s, corner) : 0;
+    for (int i = 1; i < slots(f); i++)
+        if (JO_RE(state[STATES * i + JO_CONTACT_SINCE]) > JO_RE(state[STATES * last + JO_CONTACT_SINCE])) last = i;
+    for (int i = 0; i < slots(f); i++) {   /* speed and time of the last touch remain for sensors */
+        const jo_real speed = state[STATES * last + JO_CONTACT_SPEED];
+        next[STATES * i + JO_CONTACT_SPEED] = JO_RE(speed) > 0.0 ? speed : jo_contact_law_of(f)->slowest;
+        next[STATES * i + JO_CONTACT_SINCE] = state[STATES * last + JO_CONTACT_SINCE];
+    }
+    for (int i = 0; i < found && i < slots(f); i++) continue_states(f, p, corner + i, state, next + STATES * i);
+    for (int i = 0; i < f->states; i++) state[i] = next[i];
+}
+
+static void start(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *state)
+{
+    pair p;
+    point t;
+    for (int i = 0; i < f->states; i++) state[i] = jo_same(0.0);
+    read_motion(m, d, f, &p);
+    list(f, &p, state);
+    for (int i = 0; i < slots(f); i++, state += STATES) {
+        if (!is_listed(state)) continue;
+        present(f, &p, state, &t);
+        jo_contact_start(&t.law, d->time[0], &t.y, state);
+    }
+}
+
+/* no error control by the stretch: it follows the positions */
+static void nominals(const jo_model *m, const jo_force *f, double duration, double *x)
+{
+    (void)m; (void)duration;
+    for (int i = 0; i < f->states; i++) x[i] = 1.0;
+}
+
+static jo_real update(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *state)
+{
+    pair p;
+    point t;
+    read_motion(m, d, f, &p);
+    const jo_real before = energy(f, &p, state);
+    list(f, &p, state);
+    for (int i = 0; i < slots(f); i++) {
+        jo_real *own = state + STATES * i;
+        if (!is_listed(own)) continue;
+        present(f, &p, own, &t);
+        jo_contact_update(&t.law, d->time[0], &t.y, own);
+    }
+    return before - energy(f, &p, state);
+}
+
+static jo_real margin(const jo_model *m, const jo_data *d, const jo_force *f)
+{
+    const jo_real *state = states(d, f);
+    pair p;
+    if (!any_listed(f, state)) {
+        jo_separated s;
+        read(d, f, &p);
+        return jo_same(separate(&p, 0, &s));
+    }
+    jo_real least = {INFINITY};
+    point t;
+    read_motion(m, d, f, &p);
+    for (int i = 0; i < slots(f); i++, state += STATES) {
+        if (!is_listed(state)) continue;
+        present(f, &p, state, &t);
+        const jo_real x = jo_contact_margin(&t.law, state, &t.y);
+        if (JO_RE(x) < JO_RE(least)) least = x;
+    }
+    return least;
+}
+
+static double longest_step(const jo_model *m, const jo_data *d, const jo_force *f, int explicit_method)
+{
+    const jo_real *state = states(d, f);
+    double longest = INFINITY;
+    pair p;
+    point t;
+    if (explicit_method && any_listed(f, state)) read_motion(m, d, f, &p);
+    for (int i = 0; i < slots(f); i++, state += STATES) {
+        if (!touches(state)) continue;
+        if (explicit_method) present(f, &p, state, &t);
+        longest = fmin(longest, jo_contact_longest_step(jo_contact_law_of(f), state, d->time[0], explicit_method ? &t.y : 0));
+    }
+    return longest;
+}
+
+static int ease(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *state)
+{
+    (void)m; (void)d;
+    int changed = 0;
+    for (int i = 0; i < slots(f); i++, state += STATES)
+        if (is_listed(state)) changed |= jo_contact_ease(state);
+    return changed;
+}
+
+/* largest distance of a vertex from the origin of a polytope, m */
+static double reach_of(const jo_polytope *p)
+{
+    double most = 0.0;
+    for (int i = 0; i < p->vertices; i++) most = fmax(most, jo_length(p->vertex + 3 * i, 3));
+    return most;
+}
+
+/* Points of b move on a with at most |v| + |w| reach. Over a face of a, with its normal n, the gap shrinks at most with -n . v + |w| reach. */
+static void approach_apart(pair *p, jo_approach *to)
+{
+    jo_separated s;
+    to->gap = separate(p, 0, &s);
+    const double turning = jo_length(p->w, 3) * reach_of(&p->b), speed = jo_length(p->v, 3), share = speed > 0.0 ? 1.0 + turning / speed : 0.0;
+    to->rate = -turning;
+    for (int i = 0; i < 3; i++) {
+        to->rate += s.normal[i] * JO_RE(p->v[i]);
+        to->v[i] = share * JO_RE(p->v[i]);
+    }
+    if (!(speed > 0.0)) to->v[0] = turning;
+    to->face = s.kind == JO_FACE_A ? 1 + s.of[0] : 0;
+    to->curvature = to->face ? 0.0 : INFINITY;
+}
+
+/* of the nearest point of the list that does not touch, on its face */
+static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_approach *to)
+{
+    const jo_real *state = states(d, f);
+    pair p;
+    point t;
+    read_motion(m, d, f, &p);
+    if (!any_listed(f, state)) {
+        approach_apart(&p, to);
+        return 1;
+    }
+    to->gap = INFINITY;
+    for (int i = 0; i < slots(f); i++, state += STATES) {
+        if (!is_listed(state) || touches(state)) continue;
+        present(f, &p, state, &t);
+        if (-JO_RE(t.y.depth) >= to->gap) continue;
+        to->gap = -JO_RE(t.y.depth);
+        to->rate = -JO_RE(t.y.rate);
+        for (int k = 0; k < 3; k++) to->v[k] = JO_RE(t.y.v[k]);
+        to->face = i;
+        to->curvature = t.feature.kind == JO_FACE_VERTEX ? 0.0 : INFINITY;
+    }
+    return to->gap < INFINITY;
+}
+
+/* a bristle that breaks changes mu_static to mu_kinetic; so do points that come and go */
+static int jumps(const jo_force *f, const jo_real *before, const jo_real *after)
+{
+    for (int i = 0; i < slots(f); i++, before += STATES, after += STATES) {
+        if (JO_RE(before[CODE]) != JO_RE(after[CODE]) || JO_RE(before[WEIGHT]) != JO_RE(after[WEIGHT])) return 1;
+        if (jo_contact_phase(before) != jo_contact_phase(after)) return 1;
+    }
+    return 0;
+}
+
+static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach};
+const jo_force_kind jo_force_contact_pair = {apply, stored, tangent, start, nominals, &yielding};
