@@ -57,6 +57,7 @@ struct jo_data {
     jo_newton newton;
     jo_forces forces;
     jo_contacts contacts;
+    jo_contact_sets contact_sets;
     jo_beams beams;
     jo_anderson friction;
     jo_tree tree;

@@ -39,6 +39,8 @@ typedef double jo_real;
  * pid: controller with integral part and filtered derivative, see force_pid.c; two states from jo_force.state on
  * contact: a sphere on b, centre in frame b, touches a shape of a, see force_contact.c and jo_shape_type; six states from jo_force.state on
  * contact_pair: two convex polytopes, see force_contact_pair.c; 8 states for each of up to 8 points
+ * contact_set: shapes whose pairs are not known; its numbers are followed by the rows of contact_rows.h, its force by those of its slots
+ * contact_slot: contact of a pair that is near; set, number: forces of the set and of the slot; eight states from jo_force.state on
  * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
  *   coefficients of (s - s_k)^0..3 of the position and of each mode shape; at s = reference(t), times signal; 0 beyond the ends */
 #define JO_CONTACT_LAW stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, mass, duration
@@ -51,6 +53,8 @@ typedef double jo_real;
     ROW(user, none) \
     ROW(moving_load, count, modes, force[3]) \
     ROW(contact, JO_CONTACT_LAW, shape, size[3], centre[3], radius, ring) \
+    ROW(contact_set, shapes, tips, surfaces, groups, excluded, slots) \
+    ROW(contact_slot, set, number) \
     ROW(pid, proportional, integral, derivative, weight, filter, filter_share, tracking, tracking_share, lower, upper, start, speed) \
     ROW(plastic, stiffness, free, strength, kinematic, recovery, isotropic, saturation, rate) \
     ROW(gear_spring, stiffness, damping, ratio, free) \
@@ -106,7 +110,8 @@ typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_J
                JO_EVENT = 8,              /* the run ended at an event; error_index: event */
                JO_STEP_TOO_SMALL = 9,
                JO_ENDLESS = 10,           /* too many events within one step; error_index: event, or nevent + friction */
-               JO_BENT = 11               /* rotation of about pi between the ends of a beam element; error_index: beam */
+               JO_BENT = 11,              /* rotation of about pi between the ends of a beam element; error_index: beam */
+               JO_TOO_MANY_CONTACTS = 12  /* more pairs are near than there are slots; error_index: force of the set */
 } jo_status;
 typedef enum { JO_SIGNAL_CONSTANT = 0, JO_SIGNAL_HARMONIC = 1, JO_SIGNAL_TABLE = 2, JO_SIGNAL_STEP = 3,
                JO_SIGNAL_PIECES = 4, JO_SIGNAL_SUM = 5, JO_SIGNAL_PRODUCT = 6, JO_SIGNAL_INPUT = 7,
@@ -488,6 +493,14 @@ int jo_cpu_level(void);                          /* x86-64 level of this process
 const jo_tableau *jo_method_tableau(int method);   /* of a jo_method; no stages: its family has no tableau */
 jo_data *jo_data_new(const jo_model *m);         /* NULL without memory */
 long long jo_data_bytes(const jo_model *m);      /* size of a jo_data and all its arrays, bytes */
+enum { JO_CONTACT_ROW = 8 };
+/* pairs of sets that are near at the present state, after jo_accelerations; out (slots x JO_CONTACT_ROW): force of the set; shape that is
+ * touched, and the other one; phase (0: apart); distance, m, < 0 in contact; force on the other one, N, world. Returns their number */
+int jo_near_contacts(const jo_model *m, jo_data *d, double *out);
+enum { JO_DOUBT = 4, JO_MOST_DOUBTS = 16 };
+/* steps so far in which a gap may have closed for a moment shorter than can be resolved. out (JO_MOST_DOUBTS x JO_DOUBT), the first of them:
+ * time, s; force, -1: a pair of a set that was not searched; shape that is touched and tip of a pair in a slot, else -1 */
+long long jo_data_unproven(const jo_data *d, double *out);
 long long jo_data_room(const jo_model *m);       /* memory that jo_data_place needs, bytes, at any address */
 jo_data *jo_data_place(const jo_model *m, void *memory);   /* jo_data_new in memory of the caller; without jo_data_free */
 void jo_data_gravity(const jo_model *m, jo_data *d);       /* to be called after a change of the gravity of the model */

@@ -30,7 +30,7 @@ RUBBER = PowerLaw(1e6, restitution=0.1, slowest=0.1)
 def quadruped(swing: float = 0.0, slope: float = 0.0) -> jo.Model:
     """The robot on a floor, its joints held by servos that let the legs swing, 1 Hz."""
     with warnings.catch_warnings():  # the reader warns that it makes no contacts of its shapes
-        warnings.filterwarnings("ignore", ".*contact is not modelled")
+        warnings.filterwarnings("ignore", ".*contact is off")
         robot = jo.robots.read_mjcf(FILE)
     at = {f"{leg}_{joint}": x for leg in SHINS for joint, x in (("hip", HIP), ("knee", KNEE))}
     down = 9.81 * np.array([-np.sin(slope), 0.0, -np.cos(slope)])

@@ -1,5 +1,5 @@
-/* contact.h - signed distance of shapes, corners of the area in which two of them touch, and contacts in the matrix of a Rosenbrock method;
- * functions for other rooms. */
+/* contact.h - signed distance of shapes, corners of the area in which two of them touch, contacts in the matrix of a Rosenbrock method, and
+ * sets of shapes whose pairs are found at run time; functions for other rooms. */
 #ifndef JO_CONTACT_H
 #define JO_CONTACT_H
 
@@ -128,6 +128,22 @@ void jo_contact_push(const jo_model *m, jo_data *d, const jo_stage *stage, const
 void jo_contact_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage);   /* s' with the accelerations of the stage */
 void jo_contact_add_to_newton(const jo_model *m, jo_data *d);   /* J^T G J */
 void jo_contact_subtract(const jo_model *m, jo_data *d, const jo_real *a);   /* J^T G J a from the right-hand side of Newton's matrix */
+enum { JO_SLOT_STATES = 2 };    /* states of a slot before those of its contact: shape that is touched + 1, tip + 1; 0: free */
+static inline jo_real *jo_slot_states(const jo_data *d, const jo_force *f) { return d->w + (d->nw - d->contact_sets.nstate) + f->state; }
+static inline int jo_has_contact_sets(const jo_data *d) { return d->contact_sets.count > 0; }
+
+/* contact_rows.c */
+int jo_is_contact_set(const jo_force *f);
+int jo_shape_marker(const jo_force *set, int shape);   /* marker of a shape of a set; -1 beyond the last one */
+const jo_force *jo_bound_force(const jo_data *d, const jo_force *f);   /* the contact of a slot; 0 if the slot is free */
+void jo_contact_sets_layout(const jo_model *m, jo_data *d, jo_arena *a);
+
+/* contact_search.c */
+/* Bind the pairs that may touch within a step of *length, s, from the present state to slots, and release those that are apart. *length is
+ * shortened to one for which the slots suffice. *jumped: whether a pair overlaps already. To be called after jo_yielding_ready */
+int jo_find_contacts(const jo_model *m, jo_data *d, double *length, int *jumped);
+/* at the end of a step of length h: whether no shape can have moved farther than the search has assumed */
+int jo_found_all_contacts(const jo_model *m, const jo_data *d, double h);
 
 /* polytope.c */
 const jo_real *jo_polytope_read(const jo_real *data, jo_polytope *p);   /* returns the end of its data */

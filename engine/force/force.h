@@ -15,6 +15,9 @@ static inline const jo_slopes_of_state *jo_force_slopes(const jo_data *d, int st
  * surfaces of constant distance, 1/m, and the face over which the point is: on the way from one face to another the distance is not smooth. */
 typedef struct jo_approach { double gap, rate, v[3], curvature; int face; } jo_approach;
 
+/* forces that a method treats as an explicit one: none; all; those of slots of contacts, which are not in the matrix of ROS2 */
+enum { JO_EXPLICIT_NONE = 0, JO_EXPLICIT_ALL = 1, JO_EXPLICIT_SLOTS = 2 };
+
 /* Kinds whose force depends on the motion before: their states are constant within a step and change at its end. */
 typedef struct {
     /* states at the present coordinates; returns the energy dissipated in the step, J */
@@ -67,6 +70,7 @@ int jo_accept_yielding(const jo_model *m, jo_data *d);   /* states at the end of
 void jo_force_state(const jo_model *m, const jo_data *d, int force, int state, jo_real *y);   /* one state at present */
 jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k);   /* of force d->forces.yielding[k] */
 int jo_yielding_ready(const jo_model *m, jo_data *d);   /* coordinates of the forces that yield, at the present state */
+int jo_yielding_force(const jo_data *d, int k);   /* number of the k-th force that yields */
 int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, jo_approach *y);   /* of force d->forces.yielding[k] */
 int jo_ease_yielding(const jo_model *m, jo_data *d);   /* at the start of a step that did not converge; whether any state has changed */
 double jo_yielding_longest_step(const jo_model *m, const jo_data *d, int explicit_method);   /* of all of them, s; INFINITY: any */

@@ -2,6 +2,7 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "force/force.h"
+#include "contact/contact.h"
 
 #define JO_FORCE_ENTRY(name, ...) &jo_force_##name,
 static const jo_force_kind *const table[] = {JO_FORCES(JO_FORCE_ENTRY)};
@@ -77,6 +78,9 @@ void jo_start_states(const jo_model *m, jo_data *d)
         const jo_force *f = &m->force[i];
         if (f->state >= 0) table[f->type]->start(m, d, f, jo_states(m, d) + f->state);
     }
+    double none = 0.0;
+    int overlap;
+    jo_find_contacts(m, d, &none, &overlap);   /* pairs that touch at the start; the first step reports a failure */
 }
 
 void jo_state_nominals(const jo_model *m, double duration, double *x)
@@ -91,4 +95,5 @@ void jo_force_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
     d->forces.yielding = jo_take_ints(a, m->nyielding);
     d->forces.slopes = jo_take_many(a, m->nstate, sizeof *d->forces.slopes);
+    jo_contact_sets_layout(m, d, a);
 }

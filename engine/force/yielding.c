@@ -2,6 +2,7 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "force/force.h"
+#include "contact/contact.h"
 
 enum { JO_MAX_YIELDING_STATES = 64 };   /* states of a force that yields */
 
@@ -25,6 +26,8 @@ jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k)
     const jo_force *f = &m->force[d->forces.yielding[k]];
     return jo_released(d, f->release) ? jo_same(1.0) : jo_yielding_of(f)->margin(m, d, f);
 }
+
+int jo_yielding_force(const jo_data *d, int k) { return d->forces.yielding[k]; }
 
 int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, jo_approach *y)
 {
@@ -50,7 +53,9 @@ double jo_yielding_longest_step(const jo_model *m, const jo_data *d, int explici
     for (int k = 0; k < m->nyielding; k++) {
         const jo_force *f = &m->force[d->forces.yielding[k]];
         const jo_yielding *kind = jo_yielding_of(f);
-        if (kind->longest_step && !jo_released(d, f->release)) longest = fmin(longest, kind->longest_step(m, d, f, explicit_method));
+        if (!kind->longest_step || jo_released(d, f->release)) continue;
+        const int own = explicit_method == JO_EXPLICIT_SLOTS ? f->type == JO_FORCE_contact_slot : explicit_method;
+        longest = fmin(longest, kind->longest_step(m, d, f, own));
     }
     return longest;
 }
@@ -81,7 +86,10 @@ void jo_yield(const jo_model *m, jo_data *d)
 {
     if (!m->nyielding) return;
     jo_state_changed(d);
-    if (jo_yielding_ready(m, d) == JO_OK) jo_accept_yielding(m, d);   /* cannot fail, since it needs no accelerations */
+    double none = 0.0;
+    int overlap;
+    if (jo_yielding_ready(m, d) == JO_OK && jo_find_contacts(m, d, &none, &overlap) == JO_OK)   /* needs no accelerations */
+        jo_accept_yielding(m, d);
     jo_state_changed(d);
 }
 

@@ -11,6 +11,7 @@
 #include "maximal/maximal.h"
 #include "force/force.h"
 #include "friction/friction.h"
+#include "contact/contact.h"
 #include "integrate/event_parts.h"
 
 /* Mark the slips that have reversed in the step, and compute for each friction that leaves its state the time since then, s, by linear
@@ -101,10 +102,14 @@ int jo_step_to_end(const jo_model *m, jo_data *d, const jo_solver *s)
     int stop = -1, status = m->nlock ? jo_friction_initialise_states(m, d) : JO_OK;
     jo_locate_no_yielding(m, d);
     if (first && status == JO_OK) status = jo_events_start(m, d);
+    double length = s->step;
+    if (status == JO_OK && jo_has_contact_sets(d)) status = jo_seek_contacts(m, d, &length);
+    if (status == JO_OK && length < s->step) status = JO_TOO_MANY_CONTACTS;
     if (status == JO_OK) status = jo_one_step(m, d, s);
     if (status == JO_OK) status = jo_watched_values(m, d, d->events.above);
     if (status != JO_OK) return status;
     if (first) jo_set_first_sides(m, d, d->events.above);
+    if (jo_has_contact_sets(d) && !jo_found_all_contacts(m, d, s->step)) jo_note_doubt(m, d, m->nyielding);
     if (m->nyielding) status = jo_accept_yielding_states(m, d, d->events.above);
     if (status == JO_OK && jo_any_crosses(m, d, d->events.above)) status = settle(m, d, s->step, &stop);
     if (status != JO_OK) return status;

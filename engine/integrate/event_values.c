@@ -4,6 +4,7 @@
 #include "maximal/maximal.h"
 #include "force/force.h"
 #include "friction/friction.h"
+#include "contact/contact.h"
 #include "integrate/event_parts.h"
 
 /* ends of branches per step that are located for each force that yields; further ones are not located, and the law holds across them */
@@ -114,4 +115,18 @@ void jo_set_first_sides(const jo_model *m, jo_data *d, const double *g)
 {
     for (int i = 0; i < m->nevent; i++)
         if (fabs(d->events.level[i]) <= JO_TOUCH * fabs(g[i] - d->events.level[i])) d->events.side[i] = jo_sign(g[i]);
+}
+
+/* contacts that may begin in a step of *length, which is shortened if they are too many */
+int jo_seek_contacts(const jo_model *m, jo_data *d, double *length)
+{
+    int jumped, status = jo_yielding_ready(m, d);
+    if (status == JO_OK) status = jo_find_contacts(m, d, length, &jumped);
+    if (status != JO_OK) return status;
+    if (jumped) {
+        jo_state_changed(d);
+        jo_forces_jumped(d);
+    }
+    for (int i = 0; i < m->nstate; i++) d->alpha.end_v[m->nv + i] = jo_states(m, d)[i];
+    return jo_watched_values(m, d, d->events.level);
 }

@@ -3,6 +3,7 @@
 #include "maximal/maximal.h"
 #include "force/force.h"
 #include "friction/friction.h"
+#include "contact/contact.h"
 #include "integrate/event_parts.h"
 #include <float.h>
 #include <string.h>
@@ -116,55 +117,28 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
     return at == b ? JO_OK : try_step(m, d, s, b, d->events.above);
 }
 
-/* -- gaps that may close for a moment within a step ------------------------------------------------ */
-
-/* gaps at the start of a step, or at its end; a force without a gap gets INFINITY */
-static void measure_gaps(const jo_model *m, jo_data *d, int at_end)
+/* Shorten a step of *length to its first crossing, and then until no gap can have closed within it; *found: whether it ends at a crossing */
+static int first_crossing(const jo_model *m, jo_data *d, const jo_solver *s, double *length, int *found)
 {
-    for (int k = 0; k < m->nyielding; k++) {
-        jo_approach *y = d->events.near + 2 * k + at_end;
-        if (!jo_yielding_approach(m, d, k, y)) y->gap = INFINITY;
-    }
-}
-
-static double speed_of(const jo_approach *x) { return sqrt(x->v[0] * x->v[0] + x->v[1] * x->v[1] + x->v[2] * x->v[2]); }
-
-/* Largest distance by which a gap can shrink on the way from a to b in a step of length h. Its rate is n . v: at most the speed of the point,
- * and at most the rates at the ends plus what acceleration and curvature change; speeds between the ends exceed those at the ends by at
- * most half of their difference. */
-static double largest_closing(const jo_approach *a, const jo_approach *b, double h)
-{
-    double change = 0.0;
-    for (int i = 0; i < 3; i++) change += (b->v[i] - a->v[i]) * (b->v[i] - a->v[i]);
-    change = sqrt(change);
-    const double speed = fmax(speed_of(a), speed_of(b)) + 0.5 * change;
-    const double curved = a->face == b->face ? fmax(a->curvature, b->curvature) : INFINITY, bent = curved > 0.0 ? speed * speed * curved * h : 0.0;
-    return h * fmin(speed, fmax(0.0, fmax(-a->rate, -b->rate)) + 0.5 * change + bent);
-}
-
-/* whether no gap can have closed between the ends of the step: it would have to shrink to 0 and to open again */
-static int nothing_missed(const jo_model *m, const jo_data *d, double h)
-{
-    for (int k = 0; k < m->nyielding; k++) {
-        const jo_approach *a = d->events.near + 2 * k, *b = a + 1;
-        if (a->gap < INFINITY && b->gap < INFINITY && !(a->gap + b->gap > largest_closing(a, b, h))) return 0;
-    }
-    return 1;
-}
-
-/* shorten a step of *length without crossings until no gap can have closed within it, or until one is found closed */
-static int prove(const jo_model *m, jo_data *d, const jo_solver *s, double *length)
-{
-    for (measure_gaps(m, d, 1); !nothing_missed(m, d, *length); measure_gaps(m, d, 1)) {
+    for (;;) {
+        *found = jo_any_crosses(m, d, d->events.above);
+        if (*found) {
+            for (int i = 0; i < jo_watched(m); i++) d->events.scale[i] = fabs(d->events.above[i] - d->events.level[i]);
+            const int status = locate(m, d, s, length);
+            if (status != JO_OK) return status;
+        }
+        if (!m->nyielding) return JO_OK;
+        jo_measure_gaps(m, d, 1);
+        const int doubtful = jo_doubtful_gap(m, d, *length);
+        if (doubtful < 0) return JO_OK;
         if (*length < JO_TOUCH_RESOLUTION * s->step) {
-            d->events.unproven++;
+            jo_note_doubt(m, d, doubtful);
             return JO_OK;
         }
         *length *= 0.5;
         const int status = try_step(m, d, s, *length, d->events.above);
-        if (status != JO_OK || jo_any_crosses(m, d, d->events.above)) return status;
+        if (status != JO_OK) return status;
     }
-    return JO_OK;
 }
 
 /* -- steps of fixed length --------------------------------------------------------------------- */
@@ -179,23 +153,20 @@ double jo_resolved(const jo_model *m, jo_data *d, int explicit_method)
 static int part_step(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found)
 {
     jo_solver part = *s;
+    int status = jo_has_contact_sets(d) ? jo_seek_contacts(m, d, length) : JO_OK;
+    if (status != JO_OK) return status;
     part.step = *length;
     save_state(d);
-    if (m->nyielding) measure_gaps(m, d, 0);
-    int status = jo_one_step(m, d, &part);
+    if (m->nyielding) jo_measure_gaps(m, d, 0);
+    status = jo_one_step(m, d, &part);
     if (status == JO_OK) status = jo_watched_values(m, d, d->events.above);
     if (status != JO_OK) return status;
     if (first) jo_set_first_sides(m, d, d->events.above);
-    if (m->nyielding && !jo_any_crosses(m, d, d->events.above)) status = prove(m, d, s, length);
-    if (status != JO_OK) return status;
-    *found = jo_any_crosses(m, d, d->events.above);
-    if (!*found) {
-        if (m->nyielding) status = jo_accept_yielding_states(m, d, d->events.above);
-        if (status == JO_OK) jo_accept_values(m, d, d->events.above);
-        return status;
-    }
-    for (int i = 0; i < jo_watched(m); i++) d->events.scale[i] = fabs(d->events.above[i] - d->events.level[i]);
-    return locate(m, d, s, length);
+    status = first_crossing(m, d, s, length, found);
+    if (status != JO_OK || *found) return status;
+    if (m->nyielding) status = jo_accept_yielding_states(m, d, d->events.above);
+    if (status == JO_OK) jo_accept_values(m, d, d->events.above);
+    return status;
 }
 
 /* After a part that did not converge: back to its start with eased forces or, if there are none, with half of its length: forces have kinks
@@ -213,6 +184,13 @@ static int try_again(const jo_model *m, jo_data *d, const jo_solver *s, double *
     return 1;
 }
 
+/* which forces a method treats as an explicit one */
+static int explicit_forces(const jo_solver *s)
+{
+    if (s->method == JO_METHOD_alpha) return JO_EXPLICIT_NONE;
+    return jo_contacts_in_matrix(jo_method_tableau(s->method)) ? JO_EXPLICIT_SLOTS : JO_EXPLICIT_ALL;
+}
+
 /* step of length s->step in parts that end at events */
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
@@ -226,7 +204,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
     if (first && status == JO_OK) status = jo_events_start(m, d);
     while (status == JO_OK && end - done > time_resolution(d)) {
         double length = fmin(end - done, longest);
-        if (m->nyielding) length = fmin(length, jo_resolved(m, d, s->method != JO_METHOD_alpha && !jo_contacts_in_matrix(jo_method_tableau(s->method))));
+        if (m->nyielding) length = fmin(length, jo_resolved(m, d, explicit_forces(s)));
         const double wanted = length;
         status = part_step(m, d, s, first, &length, &found);
         if (status == JO_NO_CONVERGENCE && try_again(m, d, s, &longest, wanted)) {
@@ -255,7 +233,7 @@ int jo_event_keep(const jo_model *m, jo_data *d)
     int status = jo_levels_valid(d) ? JO_OK : jo_events_start(m, d);
     save_state(d);
     if (status == JO_OK && m->nyielding) status = jo_yielding_ready(m, d);
-    if (status == JO_OK && m->nyielding) measure_gaps(m, d, 0);
+    if (status == JO_OK && m->nyielding) jo_measure_gaps(m, d, 0);
     return status;
 }
 
@@ -266,24 +244,14 @@ int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, 
     int status = jo_watched_values(m, d, d->events.above);
     if (status != JO_OK) return status;
     if (first) jo_set_first_sides(m, d, d->events.above);
-    if (m->nyielding && !jo_any_crosses(m, d, d->events.above)) {
-        const long long steps = d->counts.steps;
-        status = prove(m, d, s, length);
-        d->counts.steps = steps;
-        if (status != JO_OK) return status;
-    }
-    *found = jo_any_crosses(m, d, d->events.above);
-    if (!*found) {
-        d->events.yields = 0;
-        jo_switched_step_begins(m, d);
-        if (m->nyielding) status = jo_accept_yielding_states(m, d, d->events.above);
-        if (status == JO_OK) jo_accept_values(m, d, d->events.above);
-        return status;
-    }
-    for (int i = 0; i < jo_watched(m); i++) d->events.scale[i] = fabs(d->events.above[i] - d->events.level[i]);
     const long long steps = d->counts.steps;
-    status = locate(m, d, s, length);
+    status = first_crossing(m, d, s, length, found);
     d->counts.steps = steps;
+    if (status != JO_OK || *found) return status;
+    d->events.yields = 0;
+    jo_switched_step_begins(m, d);
+    if (m->nyielding) status = jo_accept_yielding_states(m, d, d->events.above);
+    if (status == JO_OK) jo_accept_values(m, d, d->events.above);
     return status;
 }
 

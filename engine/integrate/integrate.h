@@ -95,10 +95,17 @@ int jo_switch_next(const jo_model *m, jo_data *d, int *which, double *impulse);
 /* event_values.c */
 void jo_event_setup(const jo_model *m, jo_data *d);
 int jo_watched(const jo_model *m);
+int jo_seek_contacts(const jo_model *m, jo_data *d, double *length);   /* pairs that may touch in a step of *length or less */
 
 /* event_effects.c */
 int jo_log_room(const jo_model *m);
 int jo_log_has_room(const jo_model *m, const jo_data *d);
+
+/* gap_proof.c */
+void jo_measure_gaps(const jo_model *m, jo_data *d, int at_end);   /* at the start or end of a step; INFINITY for forces without a gap */
+/* index in d->forces.yielding of a force whose open gap may have closed in a step of length h; nyielding: of a pair that was not searched; -1 */
+int jo_doubtful_gap(const jo_model *m, const jo_data *d, double h);
+void jo_note_doubt(const jo_model *m, jo_data *d, int k);   /* into the list of steps that are not proven */
 
 /* events.c */
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with events located in time or at its end */

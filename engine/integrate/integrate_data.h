@@ -69,6 +69,7 @@ typedef struct {
     double *since;          /* (nfriction) time from the end of a margin to the end of the step, s */
     struct jo_approach *near;   /* (2 nyielding) gaps at the start and at the end of the step */
     long long unproven;     /* steps in which a gap may have closed for a moment shorter than can be resolved */
+    double doubts[JO_DOUBT * JO_MOST_DOUBTS];   /* the first of them, see jo_data_unproven */
     int demanding;          /* whether watched sensors need accelerations */
     int yields;             /* ends of branches of forces that yield, since the last step without any */
     double *log;            /* (jo_log_room x 3) time, event or nevent + friction, direction or slip */

@@ -5,6 +5,7 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "force/force.h"
+#include "contact/contact.h"
 #include "beam/beam.h"
 #include "friction/friction.h"
 #include "tree/tree.h"
@@ -297,6 +298,18 @@ static int accept_step(const jo_model *m, jo_data *d, const jo_solver *s, planne
     return JO_OK;
 }
 
+/* bind the contacts of the next step, which is shortened if they are too many */
+static int near_contacts(const jo_model *m, jo_data *d, const jo_solver *s, double end)
+{
+    jo_sync_maximal_state(m, d, JO_SYNC_STATE);
+    d->control.next = fmin(d->control.next, jo_resolved(m, d, 1));
+    double length = plan_step(m, d, s, end).h;
+    const double planned = length;
+    const int status = jo_seek_contacts(m, d, &length);
+    if (length < planned) d->control.next = length;
+    return status == JO_OK && !jo_accelerations_known(d) ? jo_accelerations(m, d) : status;
+}
+
 /* try one step up to `end`; JO_OK also if the step was rejected */
 static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double end)
 {
@@ -305,6 +318,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
         return failure_status(d);
     c->tries++;
     int status = jo_accelerations_known(d) ? JO_OK : jo_accelerations(m, d);
+    if (status == JO_OK && jo_has_contact_sets(d)) status = near_contacts(m, d, s, end);
     if (status == JO_OK && jo_watched(m)) status = jo_event_keep(m, d);
     if (status != JO_OK) return status;
     jo_sync_maximal_state(m, d, JO_SYNC_STATE);

@@ -266,6 +266,28 @@ void jo_tree_contacts(const jo_model *m, jo_data *d, const jo_stage *stage)
     (void)m; (void)d; (void)stage;
 }
 
+/* sets of shapes that touch */
+int jo_is_contact_set(const jo_force *f)
+{
+    (void)f;
+    return 0;
+}
+int jo_shape_marker(const jo_force *set, int shape)
+{
+    (void)set; (void)shape;
+    return -1;
+}
+void jo_contact_sets_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    (void)m; (void)d; (void)a;
+}
+int jo_find_contacts(const jo_model *m, jo_data *d, double *length, int *jumped)
+{
+    (void)m; (void)d; (void)length;
+    *jumped = 0;
+    return JO_OK;
+}
+
 /* kinds of force that no file of this build defines */
 #define LEFT_OUT(name, ...) const jo_force_kind jo_force_##name __attribute__((weak)) = {0, 0, 0, 0, 0, 0};
 JO_FORCES(LEFT_OUT)

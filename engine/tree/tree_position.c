@@ -2,6 +2,7 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
+#include "contact/contact.h"
 #include <string.h>
 
 /* ---- constants --------------------------------------------------------------------------------- */
@@ -168,6 +169,12 @@ static void set_ground(jo_link_work *ground)
     ground->p = ground->w = ground->v = ground->bias_alpha = ground->a = ground->alpha = jo_vec_zero();
 }
 
+/* markers of the shapes of a set */
+static void add_shapes(const jo_model *m, jo_data *d, const jo_force *set)
+{
+    for (int i = 0, marker; (marker = jo_shape_marker(set, i)) >= 0; i++) add_marker(m, d, marker);
+}
+
 /* constants of the links, unit quaternions, and the lists of hinges, forces and loops */
 void jo_tree_setup(const jo_model *m, jo_data *d)
 {
@@ -198,6 +205,7 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
         if (c >= 0) continue;
         add_marker(m, d, f->a);
         add_marker(m, d, f->b);
+        if (jo_is_contact_set(f)) add_shapes(m, d, f);
         if (f->body >= 0 && (!jo_nmaximal(d) || jo_body_in_tree(d, f->body))) add_unique(t->body, &t->nbody, f->body);
     }
     /* loops: rows that are linear in coordinates read these; other rows read the links only */

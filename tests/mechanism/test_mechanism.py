@@ -121,6 +121,8 @@ def test_every_joint_load_sensor_and_signal_is_exported_and_in_its_tuple():
     others |= {jo.mechanism.ElasticJoint, jo.mechanism.HarmonicDrive}
     for section in ("contact shapes", "contact laws"):
         others |= set(kinds(section, "jousto.mechanism.contacts").values())
+    names = ("Apart", "CollisionShape", "Surface", "SurfacePair")  # parts of a set of contacts
+    others |= {getattr(jo.mechanism, name) for name in names}
     assert set(tuples) <= found <= set(tuples) | others
 
 

@@ -102,6 +102,15 @@ def everything() -> jo.Mechanism:
         jo.mechanism.Stop("limit", slide.displacement, upper=0.4, stiffness=1e4),
         yields,
         jo.mechanism.GearSpring("shaft", slide.displacement, motor.angle, 30.0, 50.0, damping=1.0),
+        jo.mechanism.Contacts(
+            "meet",
+            [
+                jo.mechanism.CollisionShape("floor", jo.ground["origin"], jo.mechanism.HalfSpace()),
+                jo.mechanism.CollisionShape("tip", slider["tip"], jo.mechanism.Sphere(0.05)),
+            ],
+            law=jo.mechanism.PowerLaw(1e6),
+            overlap="start",
+        ),
         jo.mechanism.Contact(
             *("touch", jo.ground["origin"], jo.mechanism.HalfSpace()),
             *(slider["tip"], jo.mechanism.Sphere(0.05), jo.mechanism.PowerLaw(1e6)),

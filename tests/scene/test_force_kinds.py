@@ -24,8 +24,9 @@ CLASSES = {
     if cls.__module__.startswith("jousto.")
 }
 
-DOTS = {"modal-load", "user-force"}
-"""Forces that pictures show as dots: one acts on a whole body, one as its user wants."""
+DOTS = {"contacts", "modal-load", "user-force"}
+"""Forces that pictures show as dots: one is among many bodies, one acts on a whole body, one as its
+user wants."""
 
 
 def test_every_law_of_the_engine_is_declared():

@@ -259,6 +259,7 @@ def describe_result(path: Path) -> None:
 def check(model: Model, core: Core = None, trust: Trust = False) -> None:
     """Check a model file and print its content and its degrees of freedom."""
     from jousto.certificate.doctor import doctor
+    from jousto.model.overlaps import overlap_facts
     from jousto.schema.read import read_model
 
     file = read_model(model, trust=trust)
@@ -268,6 +269,7 @@ def check(model: Model, core: Core = None, trust: Trust = False) -> None:
     compiled = compile_model(mechanism, core)
     diagnosis = doctor(compiled)
     facts([line for line in diagnosis.lines() if line[0] != "warning"])
+    facts(overlap_facts(mechanism, compiled))
     for sentence in diagnosis.warnings:
         warnings.warn(JoustoWarning(sentence), stacklevel=1)
     if settings is not None:

@@ -3,6 +3,12 @@ from ..base.rotation_rates import rate_matrix as rate_matrix, velocity_matrix as
 from .beams.body import BeamDamping as BeamDamping
 from .beams.stiffness import BeamSection as BeamSection
 from .bodies.marker import Marker as Marker
+from .contacts.collision import (
+    Apart as Apart,
+    CollisionShape as CollisionShape,
+    Surface as Surface,
+    SurfacePair as SurfacePair,
+)
 from .contacts.laws import (
     Hertz as Hertz,
     Impact as Impact,
@@ -23,6 +29,7 @@ from .contacts.shapes import (
 from .elastic_joint import ElasticJoint as ElasticJoint
 from .event import Event as Event
 from .forces.contact import Contact as Contact
+from .forces.contact_set import Contacts as Contacts
 from .forces.friction import Regularised as Regularised, StickSlip as StickSlip
 from .forces.gear_spring import GearSpring as GearSpring, HarmonicDrive as HarmonicDrive
 from .forces.line_load import LineLoad as LineLoad

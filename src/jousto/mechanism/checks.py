@@ -139,6 +139,8 @@ def markers_of(item: Any) -> Iterator[tuple[str, Marker]]:
     for key, value in vars(item).items():
         if isinstance(value, Marker):
             yield key, value
+    for one in getattr(item, "shapes", ()):
+        yield one.name, one.marker
     for s in () if isinstance(item, Joint) else coordinates_of(item):
         yield s.name, s.a
         yield s.name, s.b

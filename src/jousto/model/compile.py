@@ -31,6 +31,7 @@ from jousto.model.model import BodyModel, Model, Shape
 from jousto.model.moved_bodies import warn_moved
 from jousto.model.native.layout import share_layout
 from jousto.model.native.native import Engine, SingularJoints
+from jousto.model.overlaps import refuse_overlaps
 from jousto.model.packing.bodies import beam_models, beam_shapes, warn_beams, warn_bodies
 from jousto.model.packing.builder import Builder
 from jousto.model.packing.events import event_models, watched_coordinates
@@ -210,6 +211,7 @@ def finish(
     made = with_start(model, finished, initials) if is_stepping() else finished(model)
     if not is_stepping():
         warn_moved(mechanism, made, placed)
+        refuse_overlaps(mechanism, made)
     closed = made
     if keep is not None:
         keep.append(closed)

@@ -265,7 +265,8 @@ class ForceModel:
 
     `other` is a second coordinate along which it acts, -1 for none; `release` is the event that
     removes it, -1 for none; `state` is the first of its first-order
-    states; `element` is the kind of the declared force, such as "servo".
+    states; `element` is the kind of the declared force, such as "servo". `touches`, `coupled`,
+    `dense` and `slots` of a set of contacts are as in `Packed`.
     """
 
     name: str
@@ -287,6 +288,10 @@ class ForceModel:
     state: int = -1
     state_names: tuple[str, ...] = ()
     element: str = ""
+    touches: tuple[int, ...] = ()
+    coupled: tuple[tuple[int, ...], ...] = ()
+    dense: int = 0
+    slots: int = 0
 
     @property
     def law(self) -> EngineLaw:

@@ -125,6 +125,7 @@ def _pattern(model: Model) -> NewtonPattern:
         for place in force.coordinates:
             sides += [model.coordinates[place].a, model.coordinates[place].b]
         cliques.append(_moving(model, [s for s in sides if s >= 0]))
+        cliques += [list(bodies) for bodies in force.coupled]
     cliques += [[beam.a, beam.b] for beam in model.beams]
     width: dict[
         tuple[int, int], int

@@ -14,7 +14,9 @@ from jousto.base.arguments import explained
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.numbers import number
 from jousto.mechanism.bodies.body import RigidBody, ground
+from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.elastic_joint import ElasticJoint
+from jousto.mechanism.forces.contact_set import Contacts
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.forces.springs import JointForce
 from jousto.mechanism.joints.base import Joint
@@ -25,7 +27,8 @@ from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.scalar import CoordinateSensor
 from jousto.mechanism.signals.base import check_signal
 from jousto.robots.actuators import actuator_forces, with_actuators
-from jousto.robots.description import Frame, Link, Robot
+from jousto.robots.contacts import robot_contacts
+from jousto.robots.description import Collision, Frame, Link, Robot
 from jousto.robots.elastic import check_elastic, elastic_joints, on_motor, split_armature
 from jousto.robots.joint_limits import RESTITUTION, effective_inertias, joint_forces, limits_of
 from jousto.robots.joints import couplings, gravity_compensation, make_joint, make_loops, rotor
@@ -72,6 +75,7 @@ def mechanism(
     efforts: Mapping[str, Any] | None = None,
     actuators: bool = True,
     elastic: Mapping[str, Mapping[str, Any]] | None = None,
+    contact: bool = False,
 ) -> Mechanism:
     """Return the mechanism of a robot, with the joint coordinates of the file.
 
@@ -111,6 +115,10 @@ def mechanism(
         Motors behind elastic gears by joint: the arguments of `jo.mechanism.ElasticJoint` except
         name and coordinate. Drives, efforts and actuators of the joint, in units of the joint, then
         act on its motor. The default of ``rotor_inertia`` is ``armature / ratio^2`` of the file.
+    contact : bool
+        Whether links touch one another and the world, by the shapes, masks, excluded pairs and
+        sliding friction of an MJCF file, see `jousto.robots.contacts.robot_contacts`; without it
+        they pass through each other.
 
     Raises
     ------
@@ -143,7 +151,26 @@ def mechanism(
     moved: list[Any] = [Drive(f"{name} drive", s[name], x) for name, x in given["drives"].items()]
     moved += [JointForce(f"{name} motor", s[name], x) for name, x in given["efforts"].items()]
     items = [*made.items, *(on_motor(item, made.elastic) for item in moved)]
+    if contact:
+        items += contacts_of(robot, made.bodies, seat, weight)
     return Mechanism(*items, Gravity(weight), name=robot.name)
+
+
+def contacts_of(
+    robot: Robot, bodies: Mapping[str, RigidBody], seat: Seat, gravity: Any
+) -> list[Contacts]:
+    """Return the contacts of a robot; warn if it has no shapes that touch."""
+
+    def marker_of(link: str, one: Collision) -> Marker:
+        body = bodies.get(link)
+        at = one.frame
+        return seat.at(at) if body is None else body.at(at.r, at.A)
+
+    weight = robot.mass * float(np.linalg.norm(gravity))
+    found = robot_contacts(robot, marker_of, weight)
+    if found is None:
+        warn(f"robot {robot.name!r}", "has no two shapes that touch, so that contact has no effect")
+    return [] if found is None else [found]
 
 
 def build_robot(

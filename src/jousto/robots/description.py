@@ -13,6 +13,7 @@ from jousto.base.arrays import Array, skew
 from jousto.base.errors import Problem
 from jousto.base.object_repr import described
 from jousto.base.rotations import turn_onto
+from jousto.mechanism.contacts.shapes import Shape
 
 KINDS = ("revolute", "prismatic", "screw", "ball", "planar", "floating", "fixed")
 
@@ -42,6 +43,38 @@ class Frame:
 
 
 @dataclass(frozen=True, eq=False)
+class Collision:
+    """Shape of a link that touches others.
+
+    Parameters
+    ----------
+    name : str
+        Name of the shape, unique in the robot.
+    shape : Shape
+        Shape of `jousto.mechanism`.
+    frame : Frame
+        Pose of the shape, in the frame of the link.
+    body : str
+        Name of the body in the file, by which pairs are excluded.
+    friction : float
+        Coefficient of friction.
+    type_bits, affinity : int
+        Masks: two shapes touch if the type of one shares a bit with the affinity of the other.
+    unread : tuple of str
+        Words of the file on its contact that are not read.
+    """
+
+    name: str
+    shape: Shape
+    frame: Frame
+    body: str = ""
+    friction: float = 1.0
+    type_bits: int = 1
+    affinity: int = 1
+    unread: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
 class Link:
     """Rigid link of a robot.
 
@@ -63,6 +96,8 @@ class Link:
         File and line of the link, for messages.
     lifts : tuple of (float, (3,) array)
         Masses with gravity compensation, kg, and their points, in the frame of the link, m.
+    collisions : tuple of Collision
+        Shapes that touch others.
     """
 
     name: str
@@ -73,6 +108,7 @@ class Link:
     frames: Mapping[str, Frame] = field(default_factory=dict)
     where: str = ""
     lifts: tuple[tuple[float, Array], ...] = ()
+    collisions: tuple[Collision, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Link {self.name!r}: {self.mass:g} kg>"
@@ -92,6 +128,7 @@ class Link:
         frames.update((name, at @ inner) for name, inner in other.frames.items())
         shapes = (*self.shapes, *(at.r + shape @ at.A.T for shape in other.shapes))
         lifts = (*self.lifts, *((m, at.r + at.A @ r) for m, r in other.lifts))
+        moved = (replace(one, frame=at @ one.frame) for one in other.collisions)
         return replace(
             self,
             mass=mass,
@@ -100,6 +137,7 @@ class Link:
             shapes=shapes,
             frames=frames,
             lifts=lifts,
+            collisions=(*self.collisions, *moved),
         )
 
 
@@ -244,6 +282,10 @@ class Robot:
         Joints that close loops of the tree; they have no coordinates of their own.
     actuators : tuple of Actuator
         Motors and servos.
+    apart : tuple of (str, str)
+        Bodies of the file that do not touch each other.
+    untouching : tuple of str
+        Kinds of shapes of the file that would touch, but are not read.
     """
 
     name: str
@@ -255,6 +297,8 @@ class Robot:
     gravity: Array = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
     loops: tuple[RobotJoint, ...] = ()
     actuators: tuple[Actuator, ...] = ()
+    apart: tuple[tuple[str, str], ...] = ()
+    untouching: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         moving = sum(joint.kind != "fixed" for joint in self.joints)

@@ -11,6 +11,7 @@ from jousto.base.errors import count
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.forces.contact_set import Contacts
 from jousto.mechanism.forces.springs import CurveField
 from jousto.mechanism.joints.coordinate import Along, Coordinate
 from jousto.mechanism.signals.base import Constant
@@ -68,7 +69,10 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
         kind = coupler.tag.replace("-", " ")
         rows.append((f"{kind} {coupler.name}", coupler.row_names[0]))
     for force in mechanism.forces:
-        rows.append((f"{force.kind} {force.name}", given(force)))
+        if isinstance(force, Contacts):
+            rows += force.facts
+        else:
+            rows.append((f"{force.kind} {force.name}", given(force)))
     for friction in mechanism.frictions:
         text = f"of joint {friction.joint.name}, mu {friction.mu_kinetic:g}"
         rows.append((f"friction {friction.name}", f"{text}, {friction.law}"))

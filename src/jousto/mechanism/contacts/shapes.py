@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from math import hypot, inf
 from typing import Any, ClassVar
 
 import numpy as np
@@ -80,6 +81,12 @@ class Shape(Declared, section="contact shapes", by_value=True):
     def polytope(self) -> Polytope | None:
         """The shape as a polytope with rounded edges; None if it is none."""
         return None
+
+    @property
+    def size_about(self) -> float:
+        """Largest distance from the marker, m; infinite for shapes without end."""
+        far = reach(self)
+        return far if far >= 0.0 else inf
 
     @property
     def curvature(self) -> float | None:
@@ -366,6 +373,15 @@ class ShapeField(Nested[Shape, Shape]):
         if not isinstance(value, Shape):
             problems.add(where, f"{self.label} is {value!r}, must be a {self.noun}", self.key)
         return value
+
+
+def reach(shape: Shape) -> float:
+    """Return the distance from the marker to the farthest place of a shape, m; -1 without end."""
+    if isinstance(shape, Cylinder | Cuboid):
+        return float(hypot(*shape.size))
+    if isinstance(shape, Sphere | Capsule | Torus):
+        return float(sum(shape.size))
+    return -1.0
 
 
 def touching(on: Shape, of: Shape) -> Sequence[Tip] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -16,6 +16,31 @@ from jousto.mechanism.bodies.body import MovingBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.signals.base import Signal
+
+
+@dataclass(frozen=True, eq=False)
+class Packed:
+    """Numbers of a law that refers to other objects of the model.
+
+    Parameters
+    ----------
+    data : array
+        The numbers.
+    touches : tuple of int
+        Markers at which the forces of a set of contacts may act.
+    coupled : tuple of tuple of int
+        Bodies any two of which may touch.
+    dense : int
+        Number of bodies that touch one another if they are too many for an implicit method, else 0.
+    slots : int
+        Number of the following forces that belong to the set.
+    """
+
+    data: Array
+    touches: tuple[int, ...] = ()
+    coupled: tuple[tuple[int, ...], ...] = ()
+    dense: int = 0
+    slots: int = 0
 
 
 @described
@@ -50,6 +75,9 @@ class Push:
         Function of the user.
     states : tuple of str
         Names of the first-order states of the law.
+    numbers : callable, optional
+        Function that returns the `Packed` numbers in place of `data`, given the builder of the
+        model.
     """
 
     kind: str
@@ -69,6 +97,7 @@ class Push:
     damper: Signal | None = None
     function: Any = None
     states: tuple[str, ...] = ()
+    numbers: Callable[[Any], Packed] | None = None
 
 
 class ForceElement(Declared, section="forces"):

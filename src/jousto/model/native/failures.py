@@ -127,4 +127,11 @@ def failure(model: Model, status: str, index: int, cause: BaseException | None =
             "divide the beam into more elements (half a radian each is accurate), or use "
             "smaller steps if the motion itself is smaller",
         )
+    if status == "too many contacts":
+        force = model.forces[index]
+        return Problem(
+            f"contacts '{force.name}'",
+            f"more than {force.slots} pairs of shapes are near one another, which is all that the "
+            f"set has slots for; give it most={2 * force.slots} or more",
+        )
     return Problem("", f"engine status {status!r}")

@@ -206,6 +206,28 @@ class Engine:
         """Update the states of yielding forces after a slow motion to q."""
         self._library.jo_yield(self._model, self._data)
 
+    def contacts(self) -> NDArray[np.float64]:
+        """Return the near pairs of sets of contacts (k, 8) at this state, after `accelerations`.
+
+        Columns: force of the set; shape that is touched, and the other one; phase, 0 apart; gap, m,
+        negative in contact; force on the other one, N, world.
+        """
+        slots = sum(force.slots for force in self.model.forces)
+        out = np.zeros((slots, self._library.JO_CONTACT_ROW))
+        place = self._ffi.cast("double *", out.ctypes.data)
+        return out[: self._library.jo_near_contacts(self._model, self._data, place)]
+
+    def unproven(self) -> tuple[int, NDArray[np.float64]]:
+        """Return the number of steps so far in which a gap may have closed for a moment.
+
+        The first of them are rows (k, 4): time, s; force, -1 for a pair that was not searched;
+        shape that is touched and tip of a pair in a slot, else -1.
+        """
+        lib = self._library
+        out = np.zeros((lib.JO_MOST_DOUBTS, lib.JO_DOUBT))
+        count = lib.jo_data_unproven(self._data, self._ffi.cast("double *", out.ctypes.data))
+        return int(count), out[:count]
+
     def accelerations(self) -> tuple[Scalars, Scalars]:
         """Compute and return a (nv,) and lam (nrow,) at time, q, v."""
         self._check(self._library.jo_accelerations(self._model, self._data))
@@ -435,6 +457,7 @@ class Engine:
         velocities: the matrix of the implicit methods, (nv + nrow, nv + nrow).
         """
         self._needs_newton()
+        refuse_dense(self.model)
         size = self.model.nv + self.model.nrow
         out = np.zeros((size, size), self.dtype)
         self._check(
@@ -445,6 +468,7 @@ class Engine:
     def newton_sparse(self, ca: float, cv: float, cq: float) -> Any:
         """Return `newton_matrix` as a sparse matrix (scipy CSR), without a dense copy."""
         self._needs_newton()
+        refuse_dense(self.model)
         values = np.zeros(newton_pattern(self.model).reals, self.dtype)
         self._check(
             self._library.jo_newton_values(
@@ -609,6 +633,20 @@ class _Memory:
             "typestr": dtype.str,
             "data": (address, False),
         }
+
+
+def refuse_dense(model: Model) -> None:
+    """Raise InputError if more bodies touch one another than Newton's matrix couples."""
+    for force in model.forces:
+        if force.dense:
+            raise InputError(
+                Problem(
+                    f"contacts '{force.name}'",
+                    f"{force.dense} bodies may touch one another, too many for an implicit method "
+                    "or a linearisation, whose matrix couples all of them; take RK4, DormandPrince "
+                    "or ROS2, or divide them into groups that are Apart",
+                )
+            )
 
 
 def displaced(model: Model, q: Scalars, increment: Scalars) -> Scalars:

@@ -13,7 +13,7 @@ from jousto.base.complexstep import floats
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.event import Event
-from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.forces.base import ForceElement, Packed, Push
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate, Line
@@ -32,6 +32,9 @@ from jousto.model.model import (
     SwitchedModel,
 )
 from jousto.model.native.header import packed
+
+RIGID = 6
+"""Number of rows of a joint that lets nothing move."""
 
 
 class Builder:
@@ -175,6 +178,14 @@ class Builder:
         self.joints.append(made)
         return len(self.joints) - 1
 
+    def joined_bodies(self) -> list[tuple[int, int, bool]]:
+        """Return the bodies of each joint so far, and whether it lets them move."""
+        ends = [(joint, joint.sides[:2]) for joint in self.joints if len(joint.sides) == 2]
+        return [
+            (self.markers[a].body, self.markers[b].body, joint.rows == RIGID)
+            for joint, (a, b) in ends
+        ]
+
     def signal(self, signal: Signal | None) -> int:
         """Return the index of a signal, -1 for None."""
         if signal is None:
@@ -222,10 +233,15 @@ class Builder:
 
     def _push(self, force: ForceElement, push: Push, release: int) -> ForceModel:
         self._states += len(push.states)
+        packed = Packed(numbers_of(push)) if push.numbers is None else push.numbers(self)
         return ForceModel(
             name=force.name,
             kind=push.kind,
-            data=numbers_of(push),
+            data=packed.data,
+            touches=packed.touches,
+            coupled=packed.coupled,
+            dense=packed.dense,
+            slots=packed.slots,
             coordinate=-1 if push.coordinate is None else self.declared(push.coordinate),
             other=-1 if push.other is None else self.declared(push.other),
             a=-1 if push.a is None else self.marker(push.a, True),

@@ -362,6 +362,8 @@ LAWS: dict[str, Callable[[Push, Frames, Scalars], Law]] = {
 
 REFUSED = {
     "pid": "it does not integrate the states of controllers",
+    "contact set": "it has no bristles and does not locate a touch in time",
+    "contact slot": "it has no bristles and does not locate a touch in time",
     "contact": "it has no bristles and does not locate a touch in time",
     "contact pair": "it has no bristles and does not locate a touch in time",
     "plastic": "it has no plastic deformation that the end of a step keeps",

@@ -87,7 +87,8 @@ def sources(model: Model, body: int) -> list[Source]:
         at = on_body(model, body, force_markers(model, force))
         if at or force.body == body:
             kind = DISTRIBUTED.get(force.kind, force.element or force.kind)
-            found.append(Source(force.name, kind, (i,), at))
+            rows = tuple(range(i, i + 1 + force.slots))
+            found.append(Source(force.name, kind, rows, at))
     for i, friction in enumerate(model.frictions):
         slides = [s for s in (friction.coordinate, friction.other) if s >= 0]
         markers = [m for s in slides for m in coordinate_markers(model, s)]
@@ -122,7 +123,7 @@ def joint_markers(model: Model, joint: JointModel) -> list[int]:
 def force_markers(model: Model, force: ForceModel) -> list[int]:
     """Return the markers at which a force acts."""
     along = [m for place in force.coordinates for m in coordinate_markers(model, place)]
-    return [m for m in (force.a, force.b, *along) if m >= 0]
+    return [m for m in (force.a, force.b, *force.touches, *along) if m >= 0]
 
 
 def on_body(model: Model, body: int, markers: list[int]) -> tuple[MarkerModel, ...]:

@@ -22,7 +22,7 @@ from jousto.robots.readers.mjcf_ties import (
     read_ties,
     with_loop_joints,
 )
-from jousto.robots.readers.mjcf_words import CONTACT
+from jousto.robots.readers.mjcf_words import CONTACT, PAIRS
 from jousto.robots.readers.xml import Reading, parse_file
 
 
@@ -41,9 +41,10 @@ def read_mjcf(
     ``<compiler angle="radian">``. The root is the world. Joint coordinates are those of MuJoCo, and
     their initial value is ``ref``.
 
-    Contact is not modelled. Unsupported words that change the motion give an error or a warning,
-    with line and effect; docs/robot-words.md lists every word. A body with several joints has links
-    without mass between them.
+    Geoms that touch are read for ``contact=True`` of `mechanism`: planes, spheres, capsules,
+    cylinders and boxes with their masks, sliding friction and excluded pairs. Unsupported words
+    that change the motion give an error or a warning, with line and effect; docs/robot-words.md
+    lists every word. A body with several joints has links without mass between them.
 
     Parameters
     ----------
@@ -81,13 +82,20 @@ def read_mjcf(
     ties = [tie for one in models for tie in read_ties(one)]
     motors = [motor for one in models for motor in read_actuators(one)]
     weigh(found, bodies.settings.total)
+    for i, link in enumerate(found.links):
+        touching = tuple(found.collisions.get(link.name, ()))
+        found.links[i] = replace(link, collisions=touching)
+    apart = tuple(pair for one in models for pair in excluded_bodies(one))
     note_contact(reading, models, found)
     name = root.given.get("model", path.stem)
 
     def complete(made: Robot) -> Robot:
         made = replace(with_springdampers(made, found), gravity=bodies.settings.weight)
         return replace(
-            with_loop_joints(bodies, made, ties), actuators=with_damping_ratios(made, motors)
+            with_loop_joints(bodies, made, ties),
+            actuators=with_damping_ratios(made, motors),
+            apart=apart,
+            untouching=tuple(sorted(set(found.untouching))),
         )
 
     return checks.robot(
@@ -102,6 +110,14 @@ def read_mjcf(
     )
 
 
+def excluded_bodies(model: Bodies) -> list[tuple[str, str]]:
+    """Return the pairs of bodies in the ``<exclude>`` elements of a model."""
+    elements = [x for section in model.root.all("contact") for x in section.all("exclude")]
+    names = ("body1", "body2")
+    found = [[model.prefix + x.given.get(key, "") for key in names] for x in elements]
+    return [(a, b) for a, b in found]
+
+
 def weigh(found: Collected, total: float) -> None:
     """Scale the masses of all bodies to a total, kg, and set their gravity compensation."""
     mass = sum(link.mass for link in found.links)
@@ -114,11 +130,11 @@ def weigh(found: Collected, total: float) -> None:
 
 
 def note_contact(reading: Reading, models: list[Bodies], found: Collected) -> None:
-    """Add one warning if geoms of different bodies could touch, since contact is not modelled."""
+    """Add one warning if geoms of different bodies could touch, since contact is off by default."""
     for model in models:
         for pair in (pair for section in model.root.all("contact") for pair in section.all("pair")):
             if not {"contact", "constraint"} & model.settings.off:
-                reading.effect(pair, "<pair>", CONTACT)
+                reading.effect(pair, "<pair>", PAIRS)
     above = {joint.child: joint for joint in found.joints}
 
     def home(name: str) -> str:

@@ -12,7 +12,8 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, suggest
-from jousto.robots.description import Frame, Link, RobotJoint
+from jousto.robots.description import Collision, Frame, Link, RobotJoint
+from jousto.robots.readers.collisions import shape_of
 from jousto.robots.readers.meshes import Folders
 from jousto.robots.readers.mjcf_collected import Collected, Site, turned_back
 from jousto.robots.readers.mjcf_expand import (
@@ -22,7 +23,7 @@ from jousto.robots.readers.mjcf_expand import (
     replicate,
     with_affixes,
 )
-from jousto.robots.readers.mjcf_geoms import Geom, Geoms
+from jousto.robots.readers.mjcf_geoms import SIZES, Geom, Geoms
 from jousto.robots.readers.mjcf_settings import Places
 from jousto.robots.readers.mjcf_words import LOPSIDED, MJCF
 from jousto.robots.readers.words import check_words
@@ -31,6 +32,10 @@ from jousto.robots.readers.xml import DEEPEST, Element, Reading, parse_file
 TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "floating"}
 LOSSES = {"stiffness": "spring", "damping": "damper", "frictionloss": "frictionloss"}
 MOST_ATTACHED = 10_000  # maximum number of attached models
+UNREAD = {"condim": "3", "priority": "0", "margin": "0", "gap": "0"} | dict.fromkeys(
+    ("solref", "solimp", "solmix")
+)
+"""Words on the contact of a geom that are not read, with the value that changes nothing."""
 OWN = {"stiffness": "stiffness", "damping": "damping", "frictionloss": "friction"}
 
 
@@ -137,6 +142,7 @@ class Bodies:
                 geom = self.geoms.read(given, place, weighed=weighed)
                 if geom is not None:
                     parts.append(geom)
+                self.collision(given, place, link.name)
             elif child.tag == "site":
                 given = self.places.given(child, kind)
                 if "fromto" in given.given:
@@ -157,6 +163,34 @@ class Bodies:
         if not {"contact", "constraint"} & self.settings.off and masks != ["0", "0"]:
             one, other = (int(x) if x.lstrip("-").isdigit() else 1 for x in masks)
             self.found.touching.append((given, link, one, other))
+
+    def collision(self, given: Element, at: Frame, link: str) -> None:
+        """Add the shape of a geom that may touch others to its link."""
+        if {"contact", "constraint"} & self.settings.off:
+            return
+        masks = [int(self.reading.number(given, key, 1.0)) for key in ("contype", "conaffinity")]
+        kind = given.given.get("type", "sphere")
+        if masks == [0, 0]:
+            return
+        if "mesh" in given.given or (kind not in SIZES and kind != "plane"):
+            self.found.untouching.append(kind if "mesh" not in given.given else "mesh")
+            return
+        sizes, place = np.ones(1), at @ self.places.frame(given)
+        if kind != "plane":
+            sizes, place = self.geoms.sized(given, kind, at)
+        shape = shape_of(kind, sizes)
+        if shape is None:
+            self.found.untouching.append(kind)
+            return
+        slide = self.reading.list(given, "friction") if "friction" in given.given else None
+        friction = 1.0 if slide is None or not len(slide) else float(slide[0])
+        unread = tuple(
+            word for word in UNREAD if given.given.get(word, UNREAD[word]) != UNREAD[word]
+        )
+        made = Collision(
+            self.name(given, "geom"), shape, place, link, friction, masks[0], masks[1], unread
+        )
+        self.found.collisions.setdefault(link, []).append(made)
 
     def inertial(self, element: Element) -> tuple[float, Array, Array]:
         """Return mass, centre of mass and inertia of ``<inertial>`` in the axes of the body."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from jousto.base.rotations import exp_rotation
-from jousto.robots.description import Actuator, Frame, Link, RobotJoint
+from jousto.robots.description import Actuator, Collision, Frame, Link, RobotJoint
 from jousto.robots.readers.xml import Element
 
 
@@ -37,6 +37,10 @@ class Collected:
         Used names.
     touching : list of (Element, str, int, int)
         Geoms that can touch, with body, ``contype`` and ``conaffinity``.
+    collisions : dict of str to list of Collision
+        Shapes that can touch, by link.
+    untouching : list of str
+        Kinds of geoms that would touch, but cannot.
     """
 
     links: list[Link] = field(default_factory=list)
@@ -48,6 +52,8 @@ class Collected:
     lifted: dict[str, float] = field(default_factory=dict)
     names: set[str] = field(default_factory=set)
     touching: list[tuple[Element, str, int, int]] = field(default_factory=list)
+    collisions: dict[str, list[Collision]] = field(default_factory=dict)
+    untouching: list[str] = field(default_factory=list)
     count: dict[str, int] = field(default_factory=dict)
 
 

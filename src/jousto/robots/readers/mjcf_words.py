@@ -7,7 +7,11 @@ from jousto.robots.readers.words import QUIET_TAG, Format, Tag, Word, refused, w
 OUT_OF_FILE = (
     "is not read; write the model out in full (MuJoCo's mj_saveLastXML does) and read that"
 )
-CONTACT = "contact is not modelled: bodies that touch pass through each other"
+CONTACT = (
+    "contact is off: bodies that touch pass through each other; contact=True of robots.mechanism "
+    "turns it on"
+)
+PAIRS = "is not read: with contact=True the masks of the geoms decide which of them touch"
 SOFT = "the softness of constraints is not read: limits are stops, and ties are rigid"
 MEDIUM = "drag and lift of the medium are left out: bodies move as in a vacuum"
 FRAME = "the frame of a free body is its place in the file, from which its coordinates count"

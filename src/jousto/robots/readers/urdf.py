@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,9 @@ import numpy as np
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.rotations import rotation_matrix
-from jousto.robots.description import Frame, Link, Mimic, Robot, RobotJoint
+from jousto.robots.description import Collision, Frame, Link, Mimic, Robot, RobotJoint
 from jousto.robots.readers import checks
+from jousto.robots.readers.collisions import KINDS, shape_of
 from jousto.robots.readers.meshes import Folders, solid_of
 from jousto.robots.readers.urdf_words import URDF
 from jousto.robots.readers.words import check_words
@@ -93,9 +95,12 @@ def read_urdf(
         if element.tag.startswith("xacro:"):
             reading.add(element, f"<{element.tag}> is a macro; run xacro first")
     name = root.given.get("name", path.stem)
-    return checks.robot(
+    made = checks.robot(
         reading, name, links, joints, fixed_base=fixed_base, merge=merge, repair=repair
     )
+    solids = (x for link in root.all("link") for x in link.all("collision"))
+    kinds = {shape.tag for one in solids for x in one.all("geometry") for shape in x.children}
+    return replace(made, untouching=tuple(sorted(kinds - KINDS)))
 
 
 def read_link(reading: Reading, folders: Folders, element: Element, *, draw: bool) -> Link:
@@ -107,9 +112,11 @@ def read_link(reading: Reading, folders: Folders, element: Element, *, draw: boo
         shape = read_visual(reading, folders, visual, draw=draw)
         if shape is not None:
             shapes.append(shape)
+    touching = [read_collision(reading, found, name) for found in element.all("collision")]
+    collisions = numbered(name, [one for one in touching if one is not None])
     inertial = element.first("inertial")
     if inertial is None:
-        return Link(name, shapes=tuple(shapes), where=where)
+        return Link(name, shapes=tuple(shapes), where=where, collisions=collisions)
     at = read_origin(reading, inertial)
     mass, tensor = 0.0, np.zeros((3, 3))
     found = inertial.first("mass")
@@ -122,7 +129,9 @@ def read_link(reading: Reading, folders: Folders, element: Element, *, draw: boo
         reading.add(inertial, "<inertia> is missing", f"link {name!r}: inertial")
     else:
         tensor = read_tensor(reading, found)
-    return Link(name, mass, at.r, at.A @ tensor @ at.A.T, tuple(shapes), where=where)
+    return Link(
+        name, mass, at.r, at.A @ tensor @ at.A.T, tuple(shapes), where=where, collisions=collisions
+    )
 
 
 def read_tensor(reading: Reading, element: Element) -> Array:
@@ -202,6 +211,31 @@ def read_visual(reading: Reading, folders: Folders, visual: Element, *, draw: bo
     else:
         reading.leave_out(shape, f"geometry {shape.tag}")
     return None if solid is None else at.r + solid.triangles @ at.A.T
+
+
+def read_collision(reading: Reading, element: Element, link: str) -> Collision | None:
+    """Return the shape of a ``<collision>``; None for a mesh, or without geometry."""
+    geometry = element.first("geometry")
+    if geometry is None or not geometry.children:
+        return None
+    shape = geometry.children[0]
+    keys = {"cylinder": ("radius", "length"), "capsule": ("radius", "length")}
+    if shape.tag == "box":
+        sizes = reading.vector(shape, "size", None)
+    elif shape.tag in ("sphere", *keys):
+        wanted = keys.get(shape.tag, ("radius",))
+        sizes = np.array([reading.number(shape, key) for key in wanted])
+    else:
+        return None
+    found = shape_of(shape.tag, sizes)
+    return None if found is None else Collision(link, found, read_origin(reading, element), link)
+
+
+def numbered(link: str, collisions: list[Collision]) -> tuple[Collision, ...]:
+    """Return the shapes of a link with names of their own, of several ones with their number."""
+    if len(collisions) < 2:
+        return tuple(collisions)
+    return tuple(replace(one, name=f"{link} {i + 1}") for i, one in enumerate(collisions))
 
 
 def read_joint(reading: Reading, element: Element) -> RobotJoint:

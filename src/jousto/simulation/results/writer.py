@@ -70,6 +70,8 @@ class ResultsWriter:
         self._rows = rows
         self._about = (model, {"run": uuid.uuid4().hex, **attributes}, text)
         running: Facts = {"ended": "running or killed", "wall_time": np.nan}
+        if any("approach" in force.state_names for force in model.forces):
+            running["contacts"] = "running or killed"
         image = self._begin(rows, running)
         needed, free = image.size, free_bytes(path)
         if needed > free:
@@ -267,8 +269,9 @@ def free_bytes(path: Path) -> int:
 
 def _ending(facts: Facts) -> dict[str, Any]:
     """Return the attributes of the ending of a run, in fixed lengths."""
+    texts = {key: str(facts[key]) for key in ("ended", "contacts") if key in facts}
     return {
-        "ended": np.bytes_(str(facts["ended"]).encode()[:ENDED].ljust(ENDED)),
+        **{key: np.bytes_(text.encode()[:ENDED].ljust(ENDED)) for key, text in texts.items()},
         "wall_time": float(facts["wall_time"]),
         "real_time_factor": float(facts.get("real_time_factor", np.nan)),
     }

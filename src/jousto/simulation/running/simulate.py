@@ -30,6 +30,7 @@ from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import EVENTS
+from jousto.simulation.running.contact_checks import check_contacts, contact_facts
 from jousto.simulation.running.cosimulation_loop import Coupled
 from jousto.simulation.running.inputs import Feed, InputFailed, connect
 from jousto.simulation.running.run_checks import Contradiction, RunWatch
@@ -170,6 +171,7 @@ def simulate(
     for sentence in cautions(model, solver, plan):
         warn(f"simulate {model.name!r}", sentence)
     log.info("%s: %r in %d steps to %g s", model.name, solver, plan.steps, t_end)
+    check_contacts(model, solver)
     engine = Engine(model)
     if state is None:
         _warn_at_rest(model)
@@ -293,6 +295,7 @@ def _run(
         facts = {"ended": ended, "wall_time": wall, "real_time_factor": factor}
         if solver.bounded:
             facts["deferred"] = int(engine.counts.deferred)
+        facts |= contact_facts(engine)
         try:
             return keeper.close(complete, facts)
         except OSError as error:
@@ -521,6 +524,7 @@ def describe(solution: Solution) -> dict[str, Any]:
     """Return the summary of a run: its end, wall time, largest residuals and energy error."""
     residuals, energy = solution.residuals, solution.energy
     chosen = str(solution.attributes.get("chosen", ""))
+    contacts = solution.attributes.get("contacts")
     return {
         "instants": solution.nt,
         "end of the run (s)": float(solution.time[-1]) if solution.nt else 0.0,
@@ -533,4 +537,4 @@ def describe(solution: Solution) -> dict[str, Any]:
         "largest velocity residual": float(residuals.velocity.max(initial=0.0)),
         "largest energy error (J)": float(np.abs(energy.error).max(initial=0.0)),
         "energy": energy.verdict.removeprefix("energy "),
-    }
+    } | ({"contacts": contacts} if contacts else {})

@@ -60,8 +60,8 @@ def _adrift(model: Model) -> list[list[int]]:
         *(_of_joint(model, joint) for joint in model.joints),
         *(_of_force(model, force) for force in model.forces),
     ):
-        first, *others = links
-        pairs += [(first, other) for other in others]
+        first = next(links, GROUND)  # a slot of a set of contacts has no bodies of its own
+        pairs += [(first, other) for other in links]
     n = len(model.bodies)  # index n is the ground
     a, b = np.array(pairs, dtype=np.int64).reshape(-1, 2).T % (n + 1)
     graph = coo_array((np.ones(len(a)), (a, b)), shape=(n + 1, n + 1))
@@ -90,7 +90,8 @@ def _of_force(model: Model, force: ForceModel) -> Iterator[int]:
     """Yield the bodies linked by a force, with the ground if its resultant depends on positions."""
     if force.body >= 0:
         yield force.body
-    yield from (model.markers[side].body for side in (force.a, force.b) if side >= 0)
+    sides = (force.a, force.b, *force.touches)
+    yield from dict.fromkeys(model.markers[side].body for side in sides if side >= 0)
     for place in force.coordinates:
         yield from _of_coordinate(model, place)
     dead = force.kind == "load" and not force.follow

@@ -1,0 +1,141 @@
+/* contact_rows.c - numbers of a set of shapes, and the contact that a slot holds. */
+#include "contact/contact_rows.h"
+
+int jo_is_contact_set(const jo_force *f) { return f->type == JO_FORCE_contact_set; }
+
+jo_contact_rows jo_contact_rows_of(const jo_force *set)
+{
+    const jo_contact_set_data *n = (const jo_contact_set_data *)set->data;
+    const jo_real *at = set->data + sizeof *n / sizeof(jo_real);
+    jo_contact_rows y;
+    y.shapes = (int)JO_RE(n->shapes);
+    y.tips = (int)JO_RE(n->tips);
+    y.surfaces = (int)JO_RE(n->surfaces);
+    y.groups = (int)JO_RE(n->groups);
+    y.excluded = (int)JO_RE(n->excluded);
+    y.slots = (int)JO_RE(n->slots);
+    y.shape = (const jo_shape_row *)at;
+    y.tip = (const jo_tip_row *)(y.shape + y.shapes);
+    y.law = (const jo_law_row *)(y.tip + y.tips);
+    y.touching = (const jo_real *)(y.law + y.surfaces * y.surfaces);
+    y.meets = y.touching + JO_SHAPE_TYPES * JO_SHAPE_TYPES;
+    y.apart = y.meets + y.groups * y.groups;
+    return y;
+}
+
+int jo_shape_marker(const jo_force *set, int shape)
+{
+    const jo_contact_rows y = jo_contact_rows_of(set);
+    return shape < y.shapes ? (int)JO_RE(y.shape[shape].marker) : -1;
+}
+
+/* numbers of the contact of a tip on a shape */
+static void bind(const jo_contact_rows *y, const jo_force *f, jo_bound *b)
+{
+    const jo_tip_row *tip = &y->tip[b->tip];
+    const jo_shape_row *on = &y->shape[b->on], *of = &y->shape[(int)JO_RE(tip->shape)];
+    const jo_law_row *law = &y->law[(int)JO_RE(on->surface) * y->surfaces + (int)JO_RE(of->surface)];
+    jo_contact_data *x = &b->data;
+    const jo_real curvature = on->curvature[0] + of->curvature[1], mobility = on->mobility[0] + of->mobility[1];
+    x->shape = on->type;
+    x->radius = tip->radius;
+    x->ring = tip->ring;
+    for (int i = 0; i < 3; i++) {
+        x->size[i] = on->size[i];
+        x->centre[i] = tip->centre[i];
+    }
+    x->stiffness = JO_RE(law->hertz) > 0.0 ? law->stiffness / jo_sqrt(curvature) : law->stiffness;
+    x->exponent = law->exponent;
+    x->damping = law->damping;
+    x->slowest = law->slowest;
+    x->viscous = law->viscous;
+    x->full = law->full;
+    x->mu_static = law->mu_static;
+    x->mu_kinetic = law->mu_kinetic;
+    x->shear = law->shear;
+    x->mass = 1.0 / mobility;
+    x->duration = law->span * pow(JO_RE(x->mass / x->stiffness), 1.0 / (JO_RE(law->exponent) + 1.0));
+    b->force = *f;
+    b->force.type = JO_FORCE_contact;
+    b->force.a = (int)JO_RE(on->marker);
+    b->force.b = (int)JO_RE(of->marker);
+    b->force.state = f->state + JO_SLOT_STATES;
+    b->force.states = f->states - JO_SLOT_STATES;
+    b->force.data = (const jo_real *)x;
+}
+
+const jo_force *jo_bound_force(const jo_data *d, const jo_force *f)
+{
+    const jo_real *state = jo_slot_states(d, f);
+    const int on = (int)JO_RE(state[0]) - 1, tip = (int)JO_RE(state[1]) - 1;
+    if (on < 0) return 0;
+    const jo_contact_slot_data *n = (const jo_contact_slot_data *)f->data;
+    const int number = (int)JO_RE(n->number);
+    jo_bound *b = &d->contact_sets.bound[number];
+    if (!b->data.exponent || b->on != on || b->tip != tip) {   /* the numbers of the last pair are kept */
+        const jo_contact_rows y = jo_contact_rows_of(f - (number - (int)JO_RE(n->set)));
+        b->on = on;
+        b->tip = tip;
+        bind(&y, f, b);
+    }
+    return &b->force;
+}
+
+double jo_shape_gap(const jo_contact_rows *y, const jo_data *d, int on, const jo_real *place)
+{
+    const jo_shape_row *k = &y->shape[on];
+    const jo_marker_work *w = &d->marker[(int)JO_RE(k->marker)];
+    jo_real r[3], x[3];
+    jo_distance found;
+    jo_set3(r, place);
+    jo_sub3(r, w->r);
+    jo_mul3t(x, w->A, r);
+    jo_shape_distance((int)JO_RE(k->type), k->size, x, &found);
+    return JO_RE(found.gap);
+}
+
+double jo_tip_gap(const jo_contact_rows *y, const jo_data *d, int on, int tip)
+{
+    const jo_tip_row *t = &y->tip[tip];
+    const jo_marker_work *a = &d->marker[(int)JO_RE(y->shape[on].marker)];
+    const jo_marker_work *b = &d->marker[(int)JO_RE(y->shape[(int)JO_RE(t->shape)].marker)];
+    jo_real place[3], sine = {0.0};
+    jo_mul3(place, b->A, t->centre);
+    jo_add3(place, b->r);
+    if (JO_RE(t->ring) > 0.0) {   /* above a half-space: its lowest point */
+        const jo_real along = a->A[2] * b->A[2] + a->A[5] * b->A[5] + a->A[8] * b->A[8];
+        sine = jo_sqrt(jo_larger(0.0, JO_RE(1.0 - along * along)));
+    }
+    return jo_shape_gap(y, d, on, place) - JO_RE(t->radius + t->ring * sine);
+}
+
+/* smallest power of 2 from n on */
+static int power_of_two(int n)
+{
+    int size = 1;
+    while (size < n) size *= 2;
+    return size;
+}
+
+void jo_contact_sets_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    d->contact_sets.count = 0;
+    d->contact_sets.nstate = m->nstate;
+    for (int i = 0; i < m->nforce; i++) d->contact_sets.count += jo_is_contact_set(&m->force[i]);
+    d->contact_sets.search = jo_take_many(a, d->contact_sets.count, sizeof *d->contact_sets.search);
+    d->contact_sets.bound = jo_take_many(a, d->contact_sets.count ? m->nforce : 0, sizeof *d->contact_sets.bound);
+    for (int i = 0, k = 0; i < m->nforce && k < d->contact_sets.count; i++) {
+        if (!jo_is_contact_set(&m->force[i])) continue;
+        const jo_contact_rows y = jo_contact_rows_of(&m->force[i]);
+        jo_contact_search spare, *s = a->base ? &d->contact_sets.search[k] : &spare;
+        s->set = i;
+        s->swept = jo_take_many(a, y.shapes, sizeof *s->swept);
+        s->heads = power_of_two(2 * y.shapes);
+        s->head = jo_take_ints(a, s->heads);
+        s->wide = jo_take_ints(a, y.shapes);
+        s->near = jo_take_many(a, y.slots, sizeof *s->near);
+        s->places = power_of_two(2 * y.slots);
+        s->place = jo_take_ints(a, s->places);
+        k++;
+    }
+}

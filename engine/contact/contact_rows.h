@@ -1,0 +1,52 @@
+/* contact_rows.h - shapes whose pairs are not known: their numbers, and the slots that hold the pairs that are near. */
+#ifndef JO_CONTACT_ROWS_H
+#define JO_CONTACT_ROWS_H
+
+#include "contact/contact.h"
+
+enum { JO_SHAPE_TYPES = 8 };    /* types of jo_shape_type */
+
+/* Rows after the numbers of a set. Markers, types and other whole numbers are stored as numbers.
+ * reach: distance from the marker to the farthest place, m, < 0 for a shape without end; curvature, 1/m, and largest inverse mass, 1/kg, of a
+ * shape that is touched and of one with tips; the tips of a shape follow one another */
+typedef struct { jo_real marker, type, size[3], reach, first, tips, curvature[2], mobility[2], surface, group; } jo_shape_row;
+typedef struct { jo_real shape, centre[3], radius, ring; } jo_tip_row;
+/* law of a pair of surfaces, as in jo_contact_data; hertz 1: the stiffness is divided by the root of the sum of both curvatures; span: the
+ * duration is span (mass / stiffness)^(1 / (exponent + 1)) */
+typedef struct { jo_real hertz, stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, span; } jo_law_row;
+
+typedef struct {
+    int shapes, tips, surfaces, groups, excluded, slots;
+    const jo_shape_row *shape;
+    const jo_tip_row *tip;
+    const jo_law_row *law;      /* (surfaces x surfaces) */
+    const jo_real *touching;    /* (JO_SHAPE_TYPES x JO_SHAPE_TYPES) 1: tips of the second touch the first; 2: the reverse; 0: neither */
+    const jo_real *meets;       /* (groups x groups) whether shapes of two groups touch */
+    const jo_real *apart;       /* (excluded) pairs of shapes i < j that never touch, as i shapes + j, ascending */
+} jo_contact_rows;
+
+/* A shape at the start of a step: centre, m, largest distance of a place from it, and by how much it may be displaced, m, and turned, rad,
+ * within the step; its velocities then. */
+typedef struct { double centre[3], reach, shift, turn, v[3], w[3]; int cell[3], next; } jo_swept;
+/* a tip that is near a shape, and the slot that holds it; -1: none */
+typedef struct { int on, tip, slot; } jo_near;
+
+/* Work space of the search in one set. */
+typedef struct jo_contact_search {
+    int set;                /* force of the set */
+    jo_swept *swept;        /* (shapes) */
+    int *head, heads;       /* first shape of each cell of the grid, by its hash; their number, a power of 2 */
+    int *wide, nwide;       /* shapes that are not in the grid */
+    jo_near *near;          /* (slots) */
+    int nnear, full;        /* whether there are more than slots */
+    int *place, places;     /* slots by the hash of their pair */
+} jo_contact_search;
+
+/* The contact of a slot: its pair, and the force that computes it. */
+typedef struct jo_bound { int on, tip; jo_force force; jo_contact_data data; } jo_bound;
+
+jo_contact_rows jo_contact_rows_of(const jo_force *set);
+double jo_shape_gap(const jo_contact_rows *y, const jo_data *d, int on, const jo_real *place);   /* distance of a place, world, from a shape, m */
+double jo_tip_gap(const jo_contact_rows *y, const jo_data *d, int on, int tip);   /* distance of a tip from a shape, m */
+
+#endif

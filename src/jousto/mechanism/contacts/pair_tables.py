@@ -1,0 +1,210 @@
+"""Numbers of a set of shapes for the engine: laws of pairs of surfaces, groups, excluded pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import gamma, hypot, pi, sqrt
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.mechanism.contacts.collision import Apart, CollisionShape
+from jousto.mechanism.contacts.effective_mass import mobility
+from jousto.mechanism.contacts.laws import ContactLaw, Hertz
+from jousto.mechanism.contacts.shapes import Capsule, Cuboid, Shape, Tip, Torus, reach, touching
+
+KINDS = 8
+"""Number of types of shapes in ``jo_shape_type`` of the engine."""
+NEITHER, SECOND, FIRST = 0, 1, 2
+"""Which shape of a pair has the tips that touch the other one."""
+
+
+def span(exponent: float) -> float:
+    """Return c of the duration ``c (m / (K v^(n-1)))^(1/(n+1))`` of a touch without loss."""
+    n = exponent
+    c = sqrt(pi) * gamma(1.0 + 1.0 / (n + 1.0)) / gamma(0.5 + 1.0 / (n + 1.0))
+    return float(2.0 * c * (0.5 * (n + 1.0)) ** (1.0 / (n + 1.0)))
+
+
+def tip_reach(tip: Tip) -> float:
+    """Return the distance from the marker to the farthest place of a tip, m."""
+    return hypot(*tip.centre) + tip.radius + tip.ring
+
+
+def curvatures(shape: Shape) -> tuple[float, float]:
+    """Return the mean curvatures of a shape that is touched, and of its tips, 1/m.
+
+    Edges and corners, to which the law of Hertz gives no stiffness, have that of the largest
+    sphere inside of the shape.
+    """
+    whole = shape.curvature
+    if whole is not None:
+        return whole, whole
+    if isinstance(shape, Capsule):
+        return 0.5 / shape.radius, 1.0 / shape.radius
+    if isinstance(shape, Cuboid):
+        return 0.0, 1.0 / min(shape.size)
+    if isinstance(shape, Torus):
+        mean = 0.5 / (shape.tube or shape.radius) + 0.5 / (shape.radius + shape.tube)
+        return mean, mean
+    (radius, *_) = shape.size or (0.0,)
+    if not radius:
+        return 0.0, 0.0
+    return (-0.5 if shape.hollow else 0.5) / radius, 0.0
+
+
+def tips_of_pair(first: Shape, second: Shape) -> int:
+    """Return which shape of a pair has the tips that touch the other one, or `NEITHER`."""
+    if min(first.code, second.code) < 0:  # polytopes have no distance to a place
+        return NEITHER
+    if touching(first, second) is not None:
+        return SECOND
+    return FIRST if touching(second, first) is not None else NEITHER
+
+
+def touching_table(shapes: Iterable[Shape]) -> Array:
+    """Return `tips_of_pair` (KINDS, KINDS) of the kinds of shapes that there are."""
+    kinds = {shape.code: shape for shape in shapes if shape.code >= 0}
+    found = np.zeros((KINDS, KINDS))
+    for i, first in kinds.items():
+        for j, second in kinds.items():
+            found[i, j] = tips_of_pair(first, second)
+    return found
+
+
+def law_row(law: ContactLaw, friction: tuple[float, float], shear: float) -> Array:
+    """Return the numbers of a law (11,) as in ``jo_law_row`` of the engine."""
+    usual = {"damping": 0.0, "slowest": 1.0, "viscous": 0.0, "full": 0.0}
+    x = usual | law.numbers(1.0)
+    kinetic, static = friction
+    hertz = float(isinstance(law, Hertz))
+    names = ("stiffness", "exponent", "damping", "slowest", "viscous", "full")
+    bristle = shear if static else 0.0
+    return np.array(
+        [hertz, *(x[key] for key in names), static, kinetic, bristle, span(x["exponent"])]
+    )
+
+
+def shape_rows(
+    shapes: Sequence[CollisionShape],
+    markers: Sequence[int],
+    surfaces: Sequence[int],
+    groups: Sequence[int],
+) -> tuple[Array, Array]:
+    """Return rows of the shapes (ns, 14) and of their tips (nt, 6) as in the engine."""
+    rows = np.zeros((len(shapes), 14))
+    tips: list[tuple[float, ...]] = []
+    for i, one in enumerate(shapes):
+        shape = one.shape
+        far = max((tip_reach(tip) for tip in shape.tips), default=0.0)
+        size = (*shape.size, 0.0, 0.0, 0.0)[:3]
+        rows[i] = (
+            *(markers[i], shape.code, *size, reach(shape), len(tips), len(shape.tips)),
+            *curvatures(shape),
+            mobility(one.marker, hypot(*shape.size)),
+            mobility(one.marker, far),
+            *(surfaces[i], groups[i]),
+        )
+        tips += [(i, *tip.centre, tip.radius, tip.ring) for tip in shape.tips]
+    return rows, np.array(tips, dtype=float).reshape(-1, 6)
+
+
+def group_table(groups: Mapping[str, int], apart: Sequence[Apart]) -> Array:
+    """Return whether the shapes of two groups touch (ng, ng)."""
+    meets = np.ones((len(groups), len(groups)))
+    for pair in apart:
+        if pair.a in groups and pair.b in groups:
+            i, j = groups[pair.a], groups[pair.b]
+            meets[i, j] = meets[j, i] = 0.0
+    return meets
+
+
+def excluded_keys(
+    shapes: Sequence[CollisionShape],
+    groups: Mapping[str, int],
+    apart: Sequence[Apart],
+    bodies: Sequence[tuple[int, int]],
+    body_of: Sequence[int],
+) -> Array:
+    """Return the pairs i < j of shapes that never touch, as ``i ns + j``, ascending.
+
+    Parameters
+    ----------
+    shapes, groups, apart
+        Shapes, numbers of their groups, and excluded pairs with the name of a shape.
+    bodies : sequence of (int, int)
+        Pairs of bodies that never touch.
+    body_of : sequence of int
+        Body of each shape.
+    """
+    n = len(shapes)
+    named: dict[str, list[int]] = {}
+    on: dict[int, list[int]] = {}
+    for i, one in enumerate(shapes):
+        named.setdefault(one.group, []).append(i)
+        on.setdefault(body_of[i], []).append(i)
+    named |= {one.name: [i] for i, one in enumerate(shapes) if one.name not in groups}
+    pairs = [
+        (named[pair.a], named[pair.b])
+        for pair in apart
+        if not (pair.a in groups and pair.b in groups)
+    ]
+    pairs += [(on.get(a, []), on.get(b, [])) for a, b in bodies]
+    keys = {min(i, j) * n + max(i, j) for a, b in pairs for i in a for j in b if i != j}
+    return np.array(sorted(keys), dtype=float)
+
+
+def joined_bodies(joints: Iterable[tuple[int, int, bool]]) -> list[tuple[int, int]]:
+    """Return the pairs of bodies that joints connect, welded bodies counting as one.
+
+    The ground, and what is welded to it, is not connected with anything by a joint: an arm on the
+    floor may touch the floor.
+
+    Parameters
+    ----------
+    joints : iterable of (int, int, bool)
+        Bodies of each joint, -1 for the ground, and whether it is rigid.
+    """
+    joints = list(joints)
+    leader: dict[int, int] = {}
+
+    def root(body: int) -> int:
+        while leader.get(body, body) != body:
+            body = leader[body]
+        return body
+
+    for a, b, rigid in joints:
+        if rigid:
+            low, high = sorted((root(a), root(b)))
+            leader[high] = low  # the ground leads
+    members: dict[int, list[int]] = {}
+    for body in {body for a, b, _ in joints for body in (a, b)}:
+        members.setdefault(root(body), []).append(body)
+    pairs: set[tuple[int, int]] = set()
+    for some in members.values():
+        pairs |= {(a, b) for a in some for b in some if a < b}
+    for a, b, _ in joints:
+        if root(a) != root(b) and -1 not in (root(a), root(b)):
+            pairs |= {(x, y) for x in members[root(a)] for y in members[root(b)]}
+    return sorted(pairs)
+
+
+def coupled_bodies(rows: Array, meets: Array, body_of: Sequence[int]) -> list[set[int]]:
+    """Return sets of moving bodies any two of which may touch, by groups of shapes."""
+    of_group: dict[int, set[int]] = {}
+    for group, body in zip(rows[:, -1].astype(int).tolist(), body_of, strict=True):
+        of_group.setdefault(group, set()).add(body)
+    found = []
+    for i, some in of_group.items():
+        for j, others in of_group.items():
+            if j < i or not meets[i, j] or some == {-1} or others == {-1}:
+                continue
+            found.append((some | others) - {-1})
+    return found
+
+
+def pair_text(law: Any, friction: tuple[float, float]) -> str:
+    """Return a law and its friction in words."""
+    kinetic, static = friction
+    return f"{law!r}, friction {kinetic:.4g} slips, {static:.4g} sticks"

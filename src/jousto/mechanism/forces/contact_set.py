@@ -1,0 +1,398 @@
+"""Contacts between many bodies, found at run time."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any, ClassVar
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import Problems, count, suggest
+from jousto.base.fields import Choice, Flag, Items, field
+from jousto.base.numbers import DefaultNumber, Number, OptionalWhole
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.contacts.collision import (
+    Apart,
+    CollisionShape,
+    OptionalContactLaw,
+    Surface,
+    SurfacePair,
+)
+from jousto.mechanism.contacts.laws import ContactLaw
+from jousto.mechanism.contacts.pair_tables import (
+    NEITHER,
+    coupled_bodies,
+    excluded_keys,
+    group_table,
+    joined_bodies,
+    law_row,
+    pair_text,
+    shape_rows,
+    tips_of_pair,
+    touching_table,
+)
+from jousto.mechanism.forces.base import ForceElement, Packed, Push
+from jousto.mechanism.forces.contact import SHEAR, STATES
+from jousto.mechanism.forces.law import EngineLaw
+
+SLOT = {"touched": "1", "tip": "1"} | STATES
+"""Shape that is touched + 1, tip + 1, both 0 if the slot is free; then the states of a contact."""
+LEAST_SLOTS = 16
+"""Smallest number of slots where `most` is not given."""
+SLOTS_EACH = 2
+"""Slots for each tip of a shape where `most` is not given."""
+IMPLICIT = 150
+"""Largest number of bodies that touch one another with an implicit method."""
+LISTED = 12
+"""Largest number of excluded pairs that `facts` lists."""
+SHOWN = 3
+"""Largest number of names in a message."""
+
+EngineLaw(
+    "contact set",
+    constants=("shapes", "tips", "surfaces", "groups", "excluded", "slots"),
+    between=True,
+    fast={"contacts": ()},
+).declared()
+EngineLaw(
+    "contact slot",
+    constants=("set", "number"),
+    states=SLOT,
+    between=True,
+    fast={"contacts": ()},
+    yields=True,
+).declared()
+
+
+@dataclass(frozen=True)
+class PairLaw:
+    """Law and friction between two surfaces."""
+
+    law: ContactLaw
+    friction: tuple[float, float]
+
+    def __str__(self) -> str:
+        return pair_text(self.law, self.friction)
+
+
+class Contacts(ForceElement, tag="contacts"):
+    """Shapes on any bodies touch one another wherever they meet, with the law of `Contact`.
+
+    Which pairs touch is found during the run; the work grows with the number of shapes, not with
+    its square. Shapes of one body never touch, nor do those of bodies with a joint between them
+    unless ``joined`` is set; the ground, and what is fixed to it, touches every body. `Apart`
+    excludes further pairs.
+
+    A pair that comes near takes one of ``most`` slots; if all are in use, the run ends with an
+    error. Whether shapes may have touched within a step is decided by their largest possible
+    motion, not by where they are at its ends, so that no body flies through another one.
+
+    Two surfaces touch by the law of Hertz, see `Surface`; shapes without a surface by ``law``.
+    ``laws`` shows what each pair became. Edges and corners have the stiffness of the largest
+    sphere in their shape.
+
+    Examples
+    --------
+    >>> from jousto import RigidBody, ground
+    >>> from jousto.mechanism import CollisionShape, Contacts, HalfSpace, PowerLaw, Sphere
+    >>> floor = CollisionShape("floor", ground["origin"], HalfSpace())
+    >>> balls = [
+    ...     RigidBody.sphere(f"ball{i}", radius=0.1, mass=1.0, position=(0, 0, 0.3 * i + 0.2))
+    ...     for i in range(3)
+    ... ]
+    >>> shapes = [CollisionShape(ball.name, ball["origin"], Sphere(0.1)) for ball in balls]
+    >>> Contacts("contacts", [floor, *shapes], law=PowerLaw(1e7, restitution=0.7))
+    <contacts 'contacts': 4 shapes>
+    """
+
+    kind = "contacts"
+    unmeasured: ClassVar[str] = (
+        "has many forces; take a BodyLoadSensor of the applied forces on a body"
+    )
+    shapes: Items[CollisionShape] = field("Shapes that touch one another")
+    law: OptionalContactLaw = field(
+        "Law of the normal force where a shape has no surface", default=None, kw_only=True
+    )
+    mu_kinetic: Number = field(
+        "Coefficient of friction while it slips, where a shape has no surface",
+        unit="1",
+        least=0,
+        default=0.0,
+        kw_only=True,
+    )
+    mu_static: DefaultNumber = field(
+        "Coefficient of friction up to which it sticks, where a shape has no surface; None: "
+        "mu_kinetic",
+        unit="1",
+        least=0,
+        default=None,
+        kw_only=True,
+    )
+    pairs: Items[SurfacePair] = field(
+        "Laws and friction of pairs of surfaces", default=(), kw_only=True
+    )
+    apart: Items[Apart] = field(
+        "Pairs of shapes or groups that never touch", default=(), kw_only=True
+    )
+    joined: Flag = field(
+        "Whether bodies with a joint between them touch", default=False, kw_only=True
+    )
+    overlap: Choice = field(
+        "What to do if shapes overlap at the start: refuse them, or start as they are",
+        words=("refuse", "start"),
+        default="refuse",
+        kw_only=True,
+    )
+    most: OptionalWhole = field(
+        "Largest number of pairs that are near at a time; None: 2 for each sphere or corner, 16 "
+        "at least",
+        least=1,
+        default=None,
+        kw_only=True,
+    )
+    shear: Number = field(
+        "Stiffness of the bristle of friction over that of the normal force, 2 (1 - nu) / (2 - nu)",
+        unit="1",
+        above=0,
+        default=SHEAR,
+        kw_only=True,
+    )
+
+    def __post_init__(self) -> None:
+        given: Any = self.mu_static
+        if given is None:
+            object.__setattr__(self, "mu_static", self.mu_kinetic)
+        super().__post_init__()
+
+    def __repr__(self) -> str:
+        return f"<contacts {self.name!r}: {count(len(self.shapes), 'shape')}>"
+
+    # -- checks ------------------------------------------------------------------------------
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Report names that are unknown or used twice, and pairs without a law."""
+        if len(self.shapes) < 2:
+            problems.add(where, "needs two shapes at least", "shapes")
+            return
+        self._check_names(problems, where)
+        if problems.found:
+            return
+        self._check_laws(problems, where)
+        self._check_kinds(problems, where)
+
+    def _check_names(self, problems: Problems, where: str) -> None:
+        seen: set[str] = set()
+        for one in self.shapes:
+            if one.name in seen:
+                problems.add(where, f"two shapes have the name {one.name!r}", "shapes")
+            seen.add(one.name)
+        surfaces: dict[str, Surface] = {}
+        for surface in self._given_surfaces:
+            if surfaces.setdefault(surface.name, surface) != surface:
+                problems.add(
+                    where, f"two different surfaces have the name {surface.name!r}", "shapes"
+                )
+        for pair in self.pairs:
+            for name in (pair.a, pair.b):
+                if name not in surfaces:
+                    problems.add(where, f"no surface {name!r}{suggest(name, surfaces)}", "pairs")
+        known = dict.fromkeys([*self.groups, *seen])
+        for excluded in self.apart:
+            for name in (excluded.a, excluded.b):
+                if name not in known:
+                    problems.add(
+                        where, f"no shape or group {name!r}{suggest(name, known)}", "apart"
+                    )
+
+    def _check_laws(self, problems: Problems, where: str) -> None:
+        law: Any = self.law
+        bare = [one.name for one in self.shapes if one.surface is None or one.surface.E is None]
+        if bare and law is None:
+            problems.add(
+                where,
+                f"{_some(bare)} without a surface with E; give each one, or the set a law",
+                "law",
+            )
+        for (a, b), pair in self.laws.items() if not problems.found else ():
+            kinetic, static = pair.friction
+            if static < kinetic:
+                named = f"{a or 'no surface'} and {b or 'no surface'}"
+                problems.add(
+                    where, f"{named}: mu_static {static:g} is below mu_kinetic {kinetic:g}"
+                )
+
+    def _check_kinds(self, problems: Problems, where: str) -> None:
+        """Report pairs of kinds of shapes that are not available, once for each pair of kinds."""
+        named = {name for pair in self.apart for name in (pair.a, pair.b)}
+        kinds: dict[Any, tuple[CollisionShape, set[int]]] = {}
+        for one in self.shapes:
+            key = one.group, type(one.shape), one.name if one.name in named else ""
+            kinds.setdefault(key, (one, set()))[1].add(id(one.marker.body))
+        excluded = {frozenset((pair.a, pair.b)) for pair in self.apart}
+        reported: set[frozenset[str]] = set()
+        for first, some in kinds.values():
+            for second, others in kinds.values():
+                tags = frozenset((first.shape.tag, second.shape.tag))
+                if tags in reported or len(some | others) < 2:
+                    continue
+                labels = ((a, b) for a in labels_of(first) for b in labels_of(second))
+                if any(frozenset(pair) in excluded for pair in labels):
+                    continue
+                if tips_of_pair(first.shape, second.shape) == NEITHER:
+                    reported.add(tags)
+                    problems.add(
+                        where,
+                        f"{first.shape.tag} and {second.shape.tag} cannot touch in this version "
+                        f"({first.name!r} and {second.name!r}); exclude them with Apart, or take "
+                        "spheres at the places that touch",
+                        "shapes",
+                    )
+
+    # -- tables ------------------------------------------------------------------------------
+
+    @property
+    def _given_surfaces(self) -> list[Surface]:
+        return [one.surface for one in self.shapes if one.surface is not None]
+
+    @cached_property
+    def groups(self) -> dict[str, int]:
+        """Groups of the shapes by name, numbered."""
+        names = dict.fromkeys(one.group for one in self.shapes)
+        return {name: i for i, name in enumerate(names)}
+
+    @cached_property
+    def surfaces(self) -> dict[str, Surface | None]:
+        """Surfaces of the shapes by name; None under "" for shapes without one."""
+        found: dict[str, Surface | None] = {}
+        for one in self.shapes:
+            found.setdefault("" if one.surface is None else one.surface.name, one.surface)
+        return found
+
+    @cached_property
+    def laws(self) -> dict[tuple[str, str], PairLaw]:
+        """Law of each pair of surfaces by their names; "" stands for shapes without a surface."""
+        names = list(self.surfaces)
+        return {(a, b): self._law_between(a, b) for i, a in enumerate(names) for b in names[i:]}
+
+    def _law_between(self, a: str, b: str) -> PairLaw:
+        one, other = self.surfaces[a], self.surfaces[b]
+        if one is None or other is None:
+            return PairLaw(self.law, (self.mu_kinetic, self.mu_static))
+        law: ContactLaw = one.law_with(other) or self.law
+        friction = one.friction_with(other)
+        for pair in self.pairs:
+            if pair.applies(a, b):
+                law, friction = pair.law_or(law), pair.friction_or(friction)
+        return PairLaw(law, friction)
+
+    @property
+    def slots(self) -> int:
+        """Largest number of pairs that are near at a time."""
+        if self.most is not None:
+            return self.most
+        tips = sum(len(one.shape.tips) for one in self.shapes)
+        return min(tips * (len(self.shapes) - 1), max(LEAST_SLOTS, SLOTS_EACH * tips))
+
+    @property
+    def facts(self) -> list[tuple[str, str]]:
+        """Lines on who can touch whom, by groups, and on the law of each pair of surfaces."""
+        shapes = count(len(self.shapes), "shape")
+        joints = "touch too" if self.joined else "do not touch"
+        rows = [
+            (
+                f"contacts {self.name}",
+                f"{shapes}, up to {self.slots} pairs at a time; bodies with a joint {joints}",
+            )
+        ]
+        sizes = Counter(one.group for one in self.shapes)
+        meets, names = group_table(self.groups, self.apart), list(self.groups)
+        for i, name in enumerate(names):
+            others = [other for j, other in enumerate(names) if meets[i, j]]
+            text = ", ".join(f"{other} ({sizes[other]})" for other in others) or "nothing"
+            rows.append((f"group {name} ({sizes[name]}) touches", text))
+        single = [one for one in self.apart if not {one.a, one.b} <= self.groups.keys()]
+        if single:
+            shown = ", ".join(f"{one.a} - {one.b}" for one in single[:LISTED])
+            rows.append(("never touch", shown + (", ..." if len(single) > LISTED else "")))
+        for (a, b), pair in self.laws.items():
+            rows.append((f"{a or 'no surface'} on {b or 'no surface'}", str(pair)))
+        return rows
+
+    @property
+    def markers(self) -> tuple[Marker, ...]:
+        """Markers of the shapes."""
+        return tuple(one.marker for one in self.shapes)
+
+    @property
+    def turning(self) -> tuple[tuple[str, Marker], ...]:
+        """Markers whose orientation matters, each with the name of the shape."""
+        return tuple((one.name, one.marker) for one in self.shapes)
+
+    @property
+    def drawn_at(self) -> tuple[Marker, ...]:
+        """Markers of the shapes."""
+        return self.markers
+
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The set, and its slots."""
+        slot = Push("contact slot", {}, states=tuple(SLOT), numbers=partial(_slot_numbers, self))
+        return (Push("contact set", {}, numbers=self._numbers), *[slot] * self.slots)
+
+    def _numbers(self, builder: Any) -> Packed:
+        """Return the numbers of the set: sizes, then its tables as in the engine."""
+        places = [builder.marker(marker, True) for marker in self.markers]
+        body_of = [builder.markers[place].body for place in places]
+        names = list(self.surfaces)
+        index = {name: i for i, name in enumerate(names)}
+        kinds = [index["" if x.surface is None else x.surface.name] for x in self.shapes]
+        rows, tips = shape_rows(
+            self.shapes, places, kinds, [self.groups[one.group] for one in self.shapes]
+        )
+        laws = np.zeros((len(names), len(names), 11))
+        for (a, b), pair in self.laws.items():
+            numbers = law_row(pair.law, pair.friction, self.shear)
+            laws[index[a], index[b]] = laws[index[b], index[a]] = numbers
+        meets = group_table(self.groups, self.apart)
+        joined = [] if self.joined else joined_bodies(builder.joined_bodies())
+        apart = excluded_keys(self.shapes, self.groups, self.apart, joined, body_of)
+        sizes = (len(rows), len(tips), len(names), len(meets), len(apart), self.slots)
+        touching = touching_table(one.shape for one in self.shapes)
+        parts: list[Array] = [
+            np.array(sizes, dtype=float),
+            rows,
+            tips,
+            laws,
+            touching,
+            meets,
+            apart,
+        ]
+        coupled = coupled_bodies(rows, meets, body_of)
+        return Packed(
+            np.concatenate([np.ravel(part) for part in parts]),
+            touches=tuple(places),
+            coupled=tuple(tuple(sorted(some)) for some in coupled if len(some) <= IMPLICIT),
+            dense=max((len(some) for some in coupled if len(some) > IMPLICIT), default=0),
+            slots=self.slots,
+        )
+
+
+def _slot_numbers(contacts: Contacts, builder: Any) -> Packed:
+    """Return the numbers of a slot: the forces of its set and of itself."""
+    place = builder.force_places[id(contacts)]
+    return Packed(np.array([place, len(builder.forces)], dtype=float))
+
+
+def labels_of(one: CollisionShape) -> tuple[str, str]:
+    """Return the names by which `Apart` refers to a shape."""
+    return one.name, one.group
+
+
+def _some(names: list[str]) -> str:
+    """Return the first of several names of shapes, and how many there are."""
+    shown = ", ".join(repr(name) for name in names[:SHOWN])
+    more = len(names) - SHOWN
+    return f"{shown} and {count(more, 'other shape')} are" if more > 0 else f"{shown}: shapes"

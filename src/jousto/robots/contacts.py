@@ -1,0 +1,108 @@
+"""Contacts of a robot: the shapes of its links with the filters of its file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from jousto.base.errors import warn
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.contacts.collision import Apart, CollisionShape, Surface, SurfacePair
+from jousto.mechanism.contacts.laws import PowerLaw
+from jousto.mechanism.contacts.pair_tables import NEITHER, tips_of_pair
+from jousto.mechanism.forces.contact_set import Contacts
+from jousto.robots.description import Collision, Robot
+
+DEPTH = 1e-4
+"""Depth under the weight of the robot over the size of its smallest shape."""
+RESTITUTION = 0.2
+"""Coefficient of restitution of the links of robots."""
+
+SLOWEST = 0.1
+"""Speed of approach below which a touch loses as much as at it, m/s: feet come to rest at once."""
+
+
+def robot_contacts(
+    robot: Robot, marker_of: Callable[[str, Collision], Marker], weight: float
+) -> Contacts | None:
+    """Return the contacts of a robot with itself and the world; None without two shapes.
+
+    The stiffness is that of a depth under the weight of `DEPTH` of the smallest shape; the friction
+    of a pair is the larger one of both shapes, as in MuJoCo. Pairs of kinds that cannot touch are
+    excluded, with a warning.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot with the collision shapes of its links.
+    marker_of : callable
+        Function that returns the marker of a shape on a link.
+    weight : float
+        Weight of the robot, N.
+    """
+    found = [(link.name, one) for link in robot.links for one in link.collisions]
+    sizes = [one.shape.size_about for _, one in found if np.isfinite(one.shape.size_about)]
+    if len(found) < 2 or not sizes:
+        return None
+    if robot.untouching:
+        warn("contacts", f"shapes of these kinds touch nothing: {', '.join(robot.untouching)}")
+    if unread := sorted({word for _, one in found for word in one.unread}):
+        warn("contacts", f"{', '.join(unread)} of the file are not read: one law for all shapes")
+    law = PowerLaw(
+        max(weight, 1e-3) / (DEPTH * min(sizes)), 1.0, restitution=RESTITUTION, slowest=SLOWEST
+    )
+    surfaces = {x: Surface(f"friction {x:g}", mu_kinetic=x) for x in {c.friction for _, c in found}}
+    shapes = [
+        CollisionShape(
+            one.name,
+            marker_of(name, one),
+            one.shape,
+            surface=surfaces[one.friction],
+            group=group_of(one),
+        )
+        for name, one in found
+    ]
+    pairs = [
+        SurfacePair(surfaces[a].name, surfaces[b].name, mu_kinetic=max(a, b))
+        for a, b in combinations_with_replacement(sorted(surfaces), 2)
+        if a != b
+    ]
+    apart = [*excluded_groups([one for _, one in found]), *excluded_links(robot, found)]
+    return Contacts("contacts", shapes, law=law, pairs=pairs, apart=apart, overlap="start")
+
+
+def group_of(one: Collision) -> str:
+    """Return the group of a shape: its kind and its masks."""
+    return f"{one.shape.tag} {one.type_bits} {one.affinity}"
+
+
+def excluded_groups(shapes: Sequence[Collision]) -> list[Apart]:
+    """Return the groups that do not touch: by their masks, or because their kinds cannot.
+
+    ``contype`` of one must share a bit with ``conaffinity`` of the other.
+    """
+    groups = {group_of(one): one for one in shapes}
+    apart, left_out = [], set()
+    for (a, one), (b, other) in combinations_with_replacement(groups.items(), 2):
+        masked = not (one.type_bits & other.affinity or other.type_bits & one.affinity)
+        neither = tips_of_pair(one.shape, other.shape) == NEITHER
+        if masked or neither:
+            apart.append(Apart(a, b))
+        if neither and not masked:
+            left_out.add(" - ".join(sorted((one.shape.tag, other.shape.tag))))
+    planes = "half-space - half-space"
+    if found := sorted(left_out - {planes}):
+        warn("contacts", f"these kinds of shapes pass through each other: {', '.join(found)}")
+    return apart
+
+
+def excluded_links(robot: Robot, found: Sequence[tuple[str, Collision]]) -> list[Apart]:
+    """Return the pairs of shapes whose bodies the file excludes."""
+    on: dict[str, list[str]] = {}
+    for _, one in found:
+        on.setdefault(one.body, []).append(one.name)
+    return [
+        Apart(a, b) for x, y in robot.apart for a in on.get(x, ()) for b in on.get(y, ()) if a != b
+    ]
