@@ -11,15 +11,15 @@
 #include "beam/beam.h"
 #include "beam/beam_lanes.h"
 
-enum { DELTA = 0, MEAN = 1, RELATIVE = 2, BLOCK = JO_BEAM_BLOCK };   /* columns of operators: Delta, sigma, delta */
+enum { DELTA = 0, MEAN = 1, RELATIVE = 2 };   /* columns of operators: Delta, sigma, delta */
 
 /* Operator for strains: rows Gamma; rows kappa, which depend on delta only. */
-typedef struct { jo_lanes gamma[3][BLOCK], kappa[BLOCK]; } strain_operator;
+typedef struct { jo_lanes gamma[3][JO_BEAM_BLOCK], kappa[JO_BEAM_BLOCK]; } strain_operator;
 
 /* Operator for resultants [N, M]. */
-typedef struct { jo_lanes n[3][BLOCK], m[3][BLOCK]; } stress_operator;
+typedef struct { jo_lanes n[3][JO_BEAM_BLOCK], m[3][JO_BEAM_BLOCK]; } stress_operator;
 
-static inline void clear_block(jo_lanes *Y) { jo_lanes_clear(Y, BLOCK); }
+static inline void clear_block(jo_lanes *Y) { jo_lanes_clear(Y, JO_BEAM_BLOCK); }
 
 /* Y = s E */
 static inline void set_unit(jo_lanes *Y, const jo_lanes s)
@@ -81,7 +81,7 @@ static void differentiate_rates(strain_operator *E, const strain_operator *B, co
 {
     const jo_lanes L = w->inverse_length, *tau = w->tau, one = jo_lanes_of(1.0), half = jo_lanes_of(-0.5), quarter = jo_lanes_of(-0.25);
     const jo_lanes none[3] = {0.0 * L, 0.0 * L, 0.0 * L};
-    jo_lanes difference[BLOCK], om[BLOCK], x[3], y[3], z[3];
+    jo_lanes difference[JO_BEAM_BLOCK], om[JO_BEAM_BLOCK], x[3], y[3], z[3];
     for (int j = 0; j < 3; j++) {
         x[j] = w->om[1][j] - w->om[0][j];
         y[j] = w->om[0][j] + w->om[1][j];
@@ -115,7 +115,7 @@ static void differentiate_rates(strain_operator *E, const strain_operator *B, co
 /* S += s C B */
 static void add_stresses(stress_operator *S, const jo_lanes s, const jo_lanes *C, const strain_operator *B)
 {
-    jo_lanes part[2][2][BLOCK];
+    jo_lanes part[2][2][JO_BEAM_BLOCK];
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) part[i / 3][j / 3][3 * (i % 3) + j % 3] = s * C[6 * i + j];
     for (int c = 0; c < 3; c++) {
@@ -137,14 +137,14 @@ static void set_diagonal_stresses(stress_operator *S, const jo_lanes *C, const s
 }
 
 /* K += (dB^T) s: the forces turn with the middle frame, the torques with the bodies */
-static void add_turning(jo_lanes K[3][3][BLOCK], const jo_beam_group *w)
+static void add_turning(jo_lanes K[3][3][JO_BEAM_BLOCK], const jo_beam_group *w)
 {
     const jo_lanes one = jo_lanes_of(1.0), half = jo_lanes_of(0.5);
     jo_lanes_add_skew(K[0][MEAN], -one, w->f);
     jo_lanes_add_skew_skew(K[0][RELATIVE], half, w->f, w->tau);
     for (int k = 0; k < 2; k++) {
         const jo_lanes sign = jo_lanes_of(k ? 1.0 : -1.0);
-        jo_lanes *T = K[1 + k][RELATIVE], F[BLOCK];
+        jo_lanes *T = K[1 + k][RELATIVE], F[JO_BEAM_BLOCK];
         jo_lanes_add_skew(T, 0.5 * sign, w->M[k]);
         jo_lanes_add_skew_skew(T, half, w->M[k], w->tau);
         if (!(w->kind & JO_BEAM_OFFSET)) continue;
@@ -156,10 +156,10 @@ static void add_turning(jo_lanes K[3][3][BLOCK], const jo_beam_group *w)
 }
 
 /* columns c of K = L B^T S; if B is given, with the derivative of the moments of constant resultants. bent: whether rows M of S are not 0 */
-static inline void moments(jo_lanes K[3][3][BLOCK], const jo_beam_group *w, const stress_operator *S, const strain_operator *B, const int c,
+static inline void moments(jo_lanes K[3][3][JO_BEAM_BLOCK], const jo_beam_group *w, const stress_operator *S, const strain_operator *B, const int c,
                            const int bent)
 {
-    jo_lanes t[BLOCK], g[BLOCK];
+    jo_lanes t[JO_BEAM_BLOCK], g[JO_BEAM_BLOCK];
     clear_block(t);
     clear_block(g);
     jo_lanes_add_cross(t, -w->length, w->d, S->n[c]);
@@ -171,7 +171,7 @@ static inline void moments(jo_lanes K[3][3][BLOCK], const jo_beam_group *w, cons
         for (int j = 0; j < 3; j++) a[j] = -0.125 * (1.0 + w->square) * w->t[j];
         add_h_rate(g, w, jo_lanes_of(1.0), w->f + 3, a);
     }
-    for (int j = 0; j < BLOCK; j++) {
+    for (int j = 0; j < JO_BEAM_BLOCK; j++) {
         const jo_lanes half = 0.5 * t[j];
         K[0][c][j] = S->n[c][j];
         K[1][c][j] = half - g[j];
@@ -182,10 +182,10 @@ static inline void moments(jo_lanes K[3][3][BLOCK], const jo_beam_group *w, cons
 }
 
 /* columns of the spins of the ends from those of sigma, delta */
-static void split_spins(jo_lanes K[3][3][BLOCK])
+static void split_spins(jo_lanes K[3][3][JO_BEAM_BLOCK])
 {
     for (int r = 0; r < 3; r++)
-        for (int j = 0; j < BLOCK; j++) {
+        for (int j = 0; j < JO_BEAM_BLOCK; j++) {
             const jo_lanes half = 0.5 * K[r][MEAN][j], relative = K[r][RELATIVE][j];
             K[r][1][j] = half - relative;
             K[r][2][j] = half + relative;
@@ -193,7 +193,7 @@ static void split_spins(jo_lanes K[3][3][BLOCK])
 }
 
 /* diagonal C without damping */
-static void diagonal_stiffness(const jo_beam_group *w, const strain_operator *B, jo_lanes K[3][3][BLOCK])
+static void diagonal_stiffness(const jo_beam_group *w, const strain_operator *B, jo_lanes K[3][3][JO_BEAM_BLOCK])
 {
     stress_operator S;
     set_diagonal_stresses(&S, w->C, B);
@@ -201,13 +201,13 @@ static void diagonal_stiffness(const jo_beam_group *w, const strain_operator *B,
 }
 
 /* any C, its changes by helical axes and the Wagner effect, damping */
-static void coupled_stiffness(const jo_beam_group *w, const strain_operator *B, jo_lanes K[3][3][BLOCK], jo_lanes V[3][3][BLOCK])
+static void coupled_stiffness(const jo_beam_group *w, const strain_operator *B, jo_lanes K[3][3][JO_BEAM_BLOCK], jo_lanes V[3][3][JO_BEAM_BLOCK])
 {
     const jo_lanes one = jo_lanes_of(1.0), *C = w->C;
     jo_lanes fibrous[36], effective[36], changing[36];
     stress_operator S;
     jo_lanes_clear(changing, 36);
-    jo_lanes_clear(&S.n[0][0], 6 * BLOCK);
+    jo_lanes_clear(&S.n[0][0], 6 * JO_BEAM_BLOCK);
     if (w->kind & JO_BEAM_FIBROUS) {
         jo_beam_fibre_tangent(w, fibrous, changing);
         C = fibrous;
@@ -220,7 +220,7 @@ static void coupled_stiffness(const jo_beam_group *w, const strain_operator *B, 
     if (w->kind & JO_BEAM_DAMPED) {
         stress_operator Z;
         strain_operator E;
-        jo_lanes_clear(&Z.n[0][0], 6 * BLOCK);
+        jo_lanes_clear(&Z.n[0][0], 6 * JO_BEAM_BLOCK);
         add_stresses(&Z, w->beta, C, B);
         for (int c = 0; c < 3; c++) moments(V, w, &Z, 0, c, 1);
         differentiate_rates(&E, B, w);
@@ -233,7 +233,7 @@ static void coupled_stiffness(const jo_beam_group *w, const strain_operator *B, 
 /* K, and V of damped elements: blocks (3 x 3) of rows n, T_a, T_b by columns Delta, beta_a, beta_b, for increments and for velocities */
 void jo_beam_stiffness(const jo_beam_group *w, jo_lanes *K, jo_lanes *V)
 {
-    jo_lanes(*const k)[3][BLOCK] = (jo_lanes(*)[3][BLOCK])K, (*const v)[3][BLOCK] = (jo_lanes(*)[3][BLOCK])V;
+    jo_lanes(*const k)[3][JO_BEAM_BLOCK] = (jo_lanes(*)[3][JO_BEAM_BLOCK])K, (*const v)[3][JO_BEAM_BLOCK] = (jo_lanes(*)[3][JO_BEAM_BLOCK])V;
     strain_operator B;
     differentiate_strains(&B, w);
     if (w->kind & (JO_BEAM_COUPLED | JO_BEAM_DAMPED | JO_BEAM_HELICAL | JO_BEAM_FIBROUS)) coupled_stiffness(w, &B, k, v);

@@ -3,18 +3,16 @@
 #include "beam/beam.h"
 #include "beam/beam_lanes.h"
 
-enum { BLOCK = JO_BEAM_BLOCK };
-
 /* columns of an operator, from increments of the bodies to the middle frame: [Q^T, G_a^T, G_b^T] s, with rotations times their `turn` */
-static void columns(const jo_data *d, const jo_beam_group *w, const jo_lanes s, const int turned, jo_lanes R[3][BLOCK])
+static void columns(const jo_data *d, const jo_beam_group *w, const jo_lanes s, const int turned, jo_lanes R[3][JO_BEAM_BLOCK])
 {
     for (int k = 0; k < 3; k++) {
         const jo_lanes *A = k ? w->G[k - 1] : w->Q;
-        jo_lanes At[BLOCK], turn[BLOCK];
+        jo_lanes At[JO_BEAM_BLOCK], turn[JO_BEAM_BLOCK];
         for (int i = 0; i < 3; i++)
             for (int j = 0; j < 3; j++) At[3 * i + j] = s * A[3 * j + i];
         if (!k || !turned) {
-            jo_lanes_copy(R[k], At, BLOCK);
+            jo_lanes_copy(R[k], At, JO_BEAM_BLOCK);
             continue;
         }
         for (int part = 0; part < 3; part++) {   /* entries 0 to 3, 4 to 7, 5 to 8 */
@@ -28,12 +26,12 @@ static void columns(const jo_data *d, const jo_beam_group *w, const jo_lanes s, 
 }
 
 /* Y = [Q, G_a, G_b] (K R + V P); V NULL: none */
-static void rotate(const jo_beam_group *w, jo_lanes *Y, const jo_lanes *K, jo_lanes R[3][BLOCK], const jo_lanes *V, jo_lanes P[3][BLOCK])
+static void rotate(const jo_beam_group *w, jo_lanes *Y, const jo_lanes *K, jo_lanes R[3][JO_BEAM_BLOCK], const jo_lanes *V, jo_lanes P[3][JO_BEAM_BLOCK])
 {
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++) {
-            const int at = BLOCK * (3 * r + c);
-            jo_lanes X[BLOCK];
+            const int at = JO_BEAM_BLOCK * (3 * r + c);
+            jo_lanes X[JO_BEAM_BLOCK];
             jo_lanes_product(X, K + at, R[c]);
             if (V) jo_lanes_add_product(X, V + at, P[c]);
             jo_lanes_product(Y + at, r ? w->G[r - 1] : w->Q, X);
@@ -46,7 +44,7 @@ static void scatter(const jo_beam_group *w, const jo_lanes *Y)
     for (int r = 0; r < 2; r++)
         for (int s = 0; s < 2; s++) {
             const double sign = r == s ? 1.0 : -1.0, row = r ? 1.0 : -1.0, column = s ? 1.0 : -1.0;
-            const jo_lanes *n = Y, *nt = Y + BLOCK * (1 + s), *t = Y + BLOCK * 3 * (1 + r), *tt = t + BLOCK * (1 + s);
+            const jo_lanes *n = Y, *nt = Y + JO_BEAM_BLOCK * (1 + s), *t = Y + JO_BEAM_BLOCK * 3 * (1 + r), *tt = t + JO_BEAM_BLOCK * (1 + s);
             jo_real *at[JO_WIDTH];
             JO_EACH_PLACE(l) at[l] = w->newton[r][s][l].at;
             for (int i = 0; i < 6; i++) {
@@ -71,7 +69,7 @@ static void elastic(jo_data *d, const jo_stage *stage, const int i)
     const jo_beam_group *w = &d->beams.group[i];
     const jo_weights *c = &stage->weights;
     const int damped = w->kind & JO_BEAM_DAMPED;
-    jo_lanes K[JO_BEAM_KEPT], V[JO_BEAM_KEPT], Y[JO_BEAM_KEPT], R[3][BLOCK], P[3][BLOCK];
+    jo_lanes K[JO_BEAM_KEPT], V[JO_BEAM_KEPT], Y[JO_BEAM_KEPT], R[3][JO_BEAM_BLOCK], P[3][JO_BEAM_BLOCK];
     if (!stage->set) {
         jo_beam_stiffness(w, K, V);
         columns(d, w, jo_lanes_of(c->q), 1, R);
@@ -127,7 +125,7 @@ void jo_beam_lag(const jo_data *d, const jo_real *x, const jo_real *z, jo_real *
             }
             for (int r = 0; r < 9; r++) {
                 f[r] = jo_lanes_of(0.0);
-                for (int c = 0; c < 9; c++) f[r] += kept[BLOCK * (3 * (r / 3) + c / 3) + 3 * (r % 3) + c % 3] * y[c];
+                for (int c = 0; c < 9; c++) f[r] += kept[JO_BEAM_BLOCK * (3 * (r / 3) + c / 3) + 3 * (r % 3) + c % 3] * y[c];
             }
             add_lag(w, f, lag);
         }

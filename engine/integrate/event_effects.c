@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum { JO_LOG_ENTRIES = 32, JO_LOG_ENTRIES_EACH = 8 };   /* log entries of one step: constant part, and part per watched value */
-enum { JO_LOG_ENTRIES_SWITCHED = 64 };   /* further ones per stop: several stops that strike in turn come to rest in a row of impacts */
+enum { JO_LOG_ENTRIES_SWITCHED = 128 };   /* further ones per stop: several stops that strike in turn come to rest in a row of impacts */
 enum { JO_LOG_STEPS = 4 };      /* number of steps for which the log has room */
 #define JO_JUMP 1e-6        /* jump of a value at an event, relative to its change in the step, below which the jump is round-off */
 
@@ -40,6 +40,7 @@ static void apply_event(const jo_model *m, jo_data *d, int i)
     for (int j = 0; j < m->nforce; j++) loses |= m->force[j].release == i && !d->happened[i];
     if (loses) jo_energy(m, d, &before);
     d->happened[i]++;
+    jo_switched_event(m, d, i);
     d->events.side[i] = jo_sign(d->events.above[i]);
     if (!loses) return;
     jo_energy(m, d, &after);

@@ -199,7 +199,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
     double done = 0.0, longest = end;
     int chain = 0, first = !jo_levels_valid(d), found;
     d->events.yields = 0;
-    jo_switched_step_begins(m, d);
+    jo_switched_step(d, end);
     int status = m->nlock ? jo_friction_initialise_states(m, d) : JO_OK;
     if (first && status == JO_OK) status = jo_events_start(m, d);
     while (status == JO_OK && end - done > time_resolution(d)) {
@@ -241,6 +241,7 @@ int jo_event_keep(const jo_model *m, jo_data *d)
 int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found)
 {
     *found = 0;
+    jo_switched_step(d, *length);
     int status = jo_watched_values(m, d, d->events.above);
     if (status != JO_OK) return status;
     if (first) jo_set_first_sides(m, d, d->events.above);
@@ -249,7 +250,6 @@ int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, 
     d->counts.steps = steps;
     if (status != JO_OK || *found) return status;
     d->events.yields = 0;
-    jo_switched_step_begins(m, d);
     if (m->nyielding) status = jo_accept_yielding_states(m, d, d->events.above);
     if (status == JO_OK) jo_accept_values(m, d, d->events.above);
     return status;

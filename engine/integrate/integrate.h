@@ -89,7 +89,8 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* one ste
 /* switched_rows.c */
 void jo_switched_ready(const jo_model *m, jo_data *d);
 jo_real jo_switched_margin(const jo_model *m, const jo_data *d, int k);
-void jo_switched_step_begins(const jo_model *m, jo_data *d);
+void jo_switched_step(jo_data *d, double length);   /* a step of this length begins */
+void jo_switched_event(const jo_model *m, jo_data *d, int event);   /* what locks shall do from an event on */
 int jo_switch_next(const jo_model *m, jo_data *d, int *which, double *impulse);
 
 /* event_values.c */

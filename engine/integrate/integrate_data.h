@@ -60,7 +60,8 @@ typedef struct {
     jo_model watch;         /* the model with the watched sensors only */
     jo_sensor *list;        /* these */
     jo_real *measured;      /* (nout) their values */
-    int *strikes;           /* (nswitched) impacts of each stop since the start of the step */
+    double instant;         /* time, s, within which impacts of a stop count as one instant */
+    double *struck;         /* (2 nswitched) time of the last impact of each stop, and number of impacts in one instant */
     jo_real *rates;         /* (2 nv or 2 nu) velocities before an impact, and their change */
     double *level, *below, *above, *trial, *scale;   /* value less threshold, margin: at the start of the step, at the ends of the
                                                       * interval in which a crossing lies, between; change in the step */

@@ -38,7 +38,7 @@ static void lay_events(const jo_model *m, jo_data *d, jo_arena *a)
     double **values[] = {&w->level, &w->below, &w->above, &w->trial, &w->scale};
     w->start.state = jo_take(a, watched ? d->state_bytes : 0);
     for (int i = 0; i < 5; i++) *values[i] = jo_take_doubles(a, watched);
-    w->strikes = jo_take_ints(a, m->nswitched);
+    w->struck = jo_take_doubles(a, 2 * m->nswitched);
     w->rates = jo_take_reals(a, m->nswitched ? 2 * (m->nv + m->nu) : 0);
     w->side = jo_take_ints(a, watched);
     w->slip = jo_take_ints(a, m->nfriction);

@@ -187,6 +187,21 @@ def test_a_disc_that_is_lifted_leaves_the_plane_when_it_presses_no_more() -> Non
     assert run["p"][-1, 2] - R == pytest.approx(2 * G * 0.3**3 / 6, abs=1e-9)
 
 
+@pytest.mark.parametrize("damped", [False, True])
+def test_modes_of_a_wheel_on_a_spring_turn_it(damped: bool) -> None:
+    # k = (m + C / R^2) w^2
+    n = np.array([0.0, 1.0, 0.0])
+    body = coin(n, 0 * n)
+    ground = jo.ground["origin"]
+    wheel = RollingWheel("roll", ground, body["origin"], R)
+    plane = jo.Planar("plane", ground, body["origin"], n)
+    spring = jo.Spring("spring", jo.Displacement(ground, body["origin"], axis="x"), 100.0)
+    model = jo.compile(jo.Mechanism(body, wheel, plane, spring, jo.Gravity((0, 0, -G))))
+    w = 2 * np.pi * np.array(jo.modes(model, damped=damped).frequencies)
+    assert w[-1] == pytest.approx(np.sqrt(100.0 / (M + C / R**2)), rel=1e-9)
+    np.testing.assert_allclose(w[:-1], 0.0, atol=1e-6)
+
+
 def test_bad_discs_are_refused_with_a_remedy() -> None:
     n = np.array([0.0, 1.0, 0.0])
     body = coin(n, 0 * n)

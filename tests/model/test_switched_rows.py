@@ -244,9 +244,107 @@ def test_both_cores_agree_on_a_chain_that_beats_its_stops() -> None:
         assert np.diff(kept).max() < 1e-6 * G
 
 
+@pytest.mark.parametrize("core", CORES)
+@pytest.mark.parametrize("e", [0.0, 0.3, 1.0])
+def test_a_cable_carrier_comes_to_rest_on_its_stops(e: float, core: str) -> None:
+    """Eight links that beat, open and close each other's stops: no energy is created."""
+    links: list[Any] = []
+    items: list[Any] = []
+    at = jo.ground["origin"]
+    for k in range(8):
+        link = jo.RigidBody(
+            f"link {k}", 0.1, (1e-4,) * 3, center=(0.05, 0, 0), position=(0.1 * k, 0, 0)
+        )
+        joint = jo.Revolute(f"joint {k}", at, link["origin"], axis=(0, 1, 0))
+        at = link.at((0.1, 0, 0))
+        links.append(link)
+        items += [joint, RigidStop(f"stop {k}", joint.angle, -0.3, 0.3, restitution=e)]
+    model = jo.compile(jo.Mechanism(*links, *items, jo.Gravity((0, 0, -G))), core=core)
+    run = jo.simulate(model, 1.0, solver=jo.RK4(1e-3))
+    kept = run.energy.kinetic + run.energy.potential
+    assert np.diff(kept).max() < 1e-3 * np.ptp(run.energy.potential)
+    if e < 1.0:
+        assert kept[-1] < kept[0] - 1.0
+
+
+@pytest.mark.parametrize("step", [1e-3, 10.0])
+def test_a_bouncing_ball_keeps_its_energy_at_any_step(step: float) -> None:
+    ball = jo.RigidBody("ball", 2.0, (1.0,) * 3)
+    rail = jo.Prismatic("rail", jo.ground["origin"], ball["origin"], axis=(0, 0, 1))
+    floor = RigidStop("floor", rail.displacement, lower=-2.0, restitution=1.0)
+    run = jo.simulate(
+        jo.compile(jo.Mechanism(ball, rail, floor, jo.Gravity((0, 0, -G)))),
+        20.0,
+        solver=jo.RK4(step),
+    )
+    fall = np.sqrt(2 * 2.0 / G)
+    assert len(run.events) == int((20.0 - fall) / (2 * fall)) + 1
+    times = [event.time for event in run.events]
+    np.testing.assert_allclose(times, fall * (1 + 2 * np.arange(len(times))), rtol=1e-10)
+    assert run.energy.dissipated[-1] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("core", CORES)
+def test_a_joint_that_sticks_slides_when_it_is_hit(core: str) -> None:
+    # 2 kg stick, 1 kg that rides on them hits their stop at 3 m/s: as if there were no friction
+    one = jo.RigidBody("one", 2.0, (0.1,) * 3)
+    two = jo.RigidBody("two", 1.0, (0.1,) * 3, position=(0.3, 0, 0), velocity=(-3, 0, 0))
+    rail = jo.Prismatic("rail", jo.ground["origin"], one["origin"], axis=(1, 0, 0))
+    ride = jo.Prismatic("ride", one["origin"], two["origin"], axis=(1, 0, 0))
+    s = ride.displacement
+    model = jo.compile(
+        jo.Mechanism(
+            *(one, two, rail, ride, jo.Gravity((0, 0, -G))),
+            jo.Friction("rub", rail, 0.02, 0.03, law=StickSlip()),
+            RigidStop("stop", s, lower=float(s.initial) - 0.03, restitution=0.5),
+            *(jo.VelocitySensor("a", one["origin"]), jo.VelocitySensor("b", two["origin"])),
+        ),
+        core=core,
+    )
+    run = jo.simulate(model, 0.02, solver=jo.RK4(1e-3))
+    (struck,) = (event for event in run.events if event.name == "stop")
+    assert struck.time == pytest.approx(0.01, abs=1e-11)
+    assert struck.impulse == pytest.approx(3.0, rel=1e-12)
+    assert run["a"][-1, 0] == pytest.approx(-1.5 + 0.02 * 3 * G / 2 * 0.01, rel=1e-9)
+    assert run["b"][-1, 0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_last_event_says_whether_a_lock_holds() -> None:
+    """It ends before it begins, and begins twice: the end unlocks it all the same."""
+    body = jo.RigidBody("body", 1.0, (1.0,) * 3)
+    rail = jo.Prismatic("rail", jo.ground["origin"], body["origin"], axis=(1, 0, 0))
+    clock = jo.SignalSensor("clock", jo.Harmonic(frequency=1.0))
+    begin, end = Event("begin", clock, 0.5, "rising"), Event("end", clock, 0.5, "falling")
+    again = Event("again", clock, -0.5, "falling")
+    lock, other = (
+        Lock("lock", rail.displacement, begin, end),
+        Lock("lock", rail.displacement, end, again),
+    )
+    for item, held in ((lock, [(1 / 12, 5 / 12)]), (other, [(5 / 12, 7 / 12)])):
+        push = jo.JointForce("push", rail.displacement, 1.0)
+        rate = jo.RateSensor("rate", rail.displacement)
+        items = (body, rail, clock, begin, end, again, item, push, rate)
+        run = jo.simulate(jo.compile(jo.Mechanism(*items)), 2.0, solver=jo.RK4(1e-3))
+        changes = [(x.time, x.change) for x in run.events if x.name == "lock"]
+        expected = [
+            (first + k, word)
+            for k in range(2)
+            for a, b in held
+            for first, word in ((a, "closes"), (b, "opens"))
+        ]
+        assert [word for _, word in changes] == [word for _, word in expected]
+        np.testing.assert_allclose(
+            [t for t, _ in changes], [t for t, _ in expected], rtol=0, atol=1e-9
+        )
+
+
 def test_bad_stops_are_refused_with_a_remedy() -> None:
     one, two, rail, ride = sliders()
     s = rail.displacement
+    with pytest.raises(jo.InputError, match="value 2 is beyond a limit of rigid stop 'stop'"):
+        jo.Mechanism(
+            one, two, rail, ride, RigidStop("stop", s, upper=1.0), jo.Initial(s, value=2.0)
+        )
     with pytest.raises(jo.InputError, match="no limit"):
         RigidStop("stop", s)
     with pytest.raises(jo.InputError, match="not below"):

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from jousto.base.errors import Problems
 from jousto.mechanism.checks import drives_of, where
+from jousto.mechanism.initial import Initial
 from jousto.mechanism.items_by_kind import Members
 from jousto.mechanism.joints.switched import SwitchedRow
 
@@ -19,9 +22,11 @@ def check_switched(problems: Problems, mechanism: Members) -> None:
         if friction.law.sticks:
             for s in friction.coordinates:
                 held.setdefault(s.key, f"stick-slip friction {friction.name!r} may hold")
+    starts = {initial.coordinate.key: initial for initial in mechanism.initials}
     for row in mechanism.couplings:
         if not isinstance(row, SwitchedRow):
             continue
+        _check_start(problems, row, starts.get(row.coordinate.key))
         s = row.coordinate
         if s.key in held:
             problems.add(
@@ -31,3 +36,18 @@ def check_switched(problems: Problems, mechanism: Members) -> None:
                 "coordinate",
             )
         held.setdefault(s.key, f"{row.kind} {row.name!r} may hold")
+
+
+def _check_start(problems: Problems, row: SwitchedRow, initial: Initial | None) -> None:
+    """Report an initial value beyond the limits of a stop."""
+    value: Any = None if initial is None else initial.value
+    if initial is None or value is None:
+        return
+    low, high = (float(np.real(row.numbers[word])) for word in ("lower", "upper"))
+    start = float(np.real(value))
+    if not low - 1e-9 * max(1.0, abs(low)) <= start <= high + 1e-9 * max(1.0, abs(high)):
+        problems.add(
+            where(initial),
+            f"value {start:g} is beyond a limit of {row.kind} {row.name!r}; start within the limits",
+            "value",
+        )

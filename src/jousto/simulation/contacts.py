@@ -17,7 +17,7 @@ SINCE = "since"
 
 def contacts(model: Model) -> list[ForceModel]:
     """Return the forces of a model by which bodies touch."""
-    return [force for force in model.forces if force.law.between and force.law.yields]
+    return [force for force in model.forces if force.kind.startswith("contact")]
 
 
 def contact_states(model: Model, begin: str) -> NDArray[np.intp]:

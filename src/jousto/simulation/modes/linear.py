@@ -27,6 +27,7 @@ GROWTH = 1e-6  # rate over |eigenvalue|, above which a mode grows; below, it is 
 NOISE = 1e-6  # frequency over the highest one, below which a motion does not oscillate
 # rounding error of eigenvalues (rad/s)^2 over the norm of stiffness over mass
 ROUND_OFF = 10 * float(np.finfo(float).eps)
+NONHOLONOMIC = ("rolled", "across")  # coordinates with a rate but no value
 RANK = 1e-10  # singular value of the scaled constraint matrix over the largest, below it a null
 
 
@@ -323,6 +324,8 @@ def at_rest(model: Model, state: State) -> Rest:
     twin.a[:], twin.lam[:] = a, lam
     M = T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[: model.nv, : model.nv] @ T
 
+    rolls = any(coordinate.kind in NONHOLONOMIC for coordinate in model.coordinates)
+
     def slopes(move: Array) -> tuple[Array, Array, Array]:
         """Return directional derivatives of C, r and Cq a along a motion."""
         twin.q[:] = displaced(model, state.q, 1j * IMAGINARY * (T @ move))
@@ -331,6 +334,10 @@ def at_rest(model: Model, state: State) -> Rest:
         c, r = twin.constraints()[0], twin.residual()
         twin.v[:] = a
         turned = twin.constraints()[1]
+        if rolls:  # rows without slip bind velocities only
+            twin.q[:] = state.q
+            twin.v[:] = 1j * IMAGINARY * (T @ move)
+            c = twin.constraints()[1]
         return tuple(np.array(x.imag) / IMAGINARY for x in (c, T.T @ r, turned))  # type: ignore[return-value]
 
     by_q = [_columns(rows) for rows in zip(*(slopes(e) for e in np.eye(model.nv)), strict=True)]
