@@ -50,6 +50,7 @@ SPECIAL = {
     *("planar_spinning", "simulate_planar", "equivalent_load", "external", "locate_load"),
     *("place_loads", "sample_posterior", "smooth", "stress_blocks", "tune", "drive_part"),
     "realtime",  # compiles a program each time
+    "shape_distance",  # see tests/model/test_contact_pairs.py
     *("study", "read_distribution", "read_outcome"),  # see tests/design/studies
 }
 """Functions of planar frames and twins, for those who know them."""

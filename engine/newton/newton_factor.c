@@ -329,7 +329,7 @@ static void transpose_node(const jo_model *m, jo_data *d, const jo_node *node)
 }
 
 /* whether n numbers, a multiple of the padding, are finite: else x - x is not 0 */
-static int finite(const jo_real *x, const int n)
+static int all_finite(const jo_real *x, const int n)
 {
     jo_lanes sum = {0};
     JO_EACH(i, n) sum += JO_LOAD(x + i) - JO_LOAD(x + i);
@@ -348,7 +348,7 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
         const jo_node *node = &m->node[c];
         const int stride = jo_pad(node->size);
         jo_real *A = d->newton.N + node->diagonal;
-        if (!finite(A, node->size * stride)) {
+        if (!all_finite(A, node->size * stride)) {
             d->error_index = node->body < 0 ? 0 : node->body;
             return JO_NOT_FINITE;
         }

@@ -32,6 +32,7 @@ ROWS = {
     "Spherical": 3, "Revolute": 5, "Fixed": 6, "Prismatic": 5, "Cylindrical": 4, "Universal": 4,
     "Planar": 3, "PointOnLine": 2, "PointOnPlane": 1, "ConstantOrientation": 3, "Rod": 1,
     "Screw": 5, "ParallelAxes": 2, "Perpendicular": 1,
+    "RollingDisc": 3, "RollingWheel": 2, "KnifeEdge": 1,
 }  # fmt: skip
 
 
@@ -43,8 +44,12 @@ def body(name="b", **kwargs):
     "cls", kinds("joints", "jousto.mechanism.joints").values(), ids=lambda c: c.__name__
 )
 def test_rows_of_joints(cls):
-    pitch = {"pitch": 0.01} if cls is Screw else {}
-    joint = cls("j", ground["origin"], body()["tip" if cls is Rod else "origin"], **pitch)
+    more = {"pitch": 0.01} if cls is Screw else {}
+    if "Rolling" in cls.__name__:
+        more = {"radius": 0.1, "axle": (0, 1, 0)}
+    if cls.__name__ == "KnifeEdge":
+        more = {"across": (0, 1, 0)}
+    joint = cls("j", ground["origin"], body()["tip" if cls is Rod else "origin"], **more)
     assert joint.rows == len(joint.row_names) == ROWS[cls.__name__]
 
 

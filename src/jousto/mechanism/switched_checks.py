@@ -48,6 +48,6 @@ def _check_start(problems: Problems, row: SwitchedRow, initial: Initial | None) 
     if not low - 1e-9 * max(1.0, abs(low)) <= start <= high + 1e-9 * max(1.0, abs(high)):
         problems.add(
             where(initial),
-            f"value {start:g} is beyond a limit of {row.kind} {row.name!r}; start within the limits",
+            f"value {start:g} is beyond a limit of {row.kind} {row.name!r}; start within them",
             "value",
         )

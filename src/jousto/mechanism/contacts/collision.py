@@ -28,8 +28,8 @@ class Surface(Declared, by_value=True):
 
     Examples
     --------
-    >>> Surface("steel", 210e9, 0.3, restitution=0.8, mu_kinetic=0.15)
-    Surface('steel', 2.1e+11, 0.3, restitution=0.8, mu_kinetic=0.15)
+    >>> Surface("steel", 210e9, 0.3, restitution=0.8, mu_kinetic=0.15).mu_static
+    0.15
     """
 
     kind = "surface"

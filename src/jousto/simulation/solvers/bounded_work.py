@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from jousto.base.errors import InputError, Problem
 from jousto.model.model import Model
+from jousto.simulation.contacts import contacts
 from jousto.simulation.solvers.base import Solver
 
 
@@ -23,12 +24,11 @@ def check_bounded(model: Model, solver: Solver) -> None:
     name = type(solver).__name__
     problems = [
         Problem(
-            f"force {force.name!r}",
+            f"force {touch!r}",
             f"is a contact, which takes shorter steps while it touches, but {name} has "
             'events="step", whose work is bounded; take events="located", or a Stop',
         )
-        for force in model.forces
-        if force.kind == "contact"
+        for touch in dict.fromkeys(force.name for force in contacts(model))
     ]
     problems += [
         Problem(
