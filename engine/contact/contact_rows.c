@@ -72,7 +72,7 @@ const jo_force *jo_bound_force(const jo_data *d, const jo_force *f)
     const jo_contact_slot_data *n = (const jo_contact_slot_data *)f->data;
     const int number = (int)JO_RE(n->number);
     jo_bound *b = &d->contact_sets.bound[number];
-    if (!b->data.exponent || b->on != on || b->tip != tip) {   /* the numbers of the last pair are kept */
+    if (JO_RE(b->data.exponent) == 0.0 || b->on != on || b->tip != tip) {   /* the numbers of the last pair are kept */
         const jo_contact_rows y = jo_contact_rows_of(f - (number - (int)JO_RE(n->set)));
         b->on = on;
         b->tip = tip;
