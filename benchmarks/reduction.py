@@ -1,7 +1,7 @@
 """Seconds and memory of every stage of a reduction: the link arm from its CAD file.
 
     python benchmarks/reduction.py                   30, 100 and 290 thousand unknowns
-    python benchmarks/reduction.py 740k              a larger one
+    python benchmarks/reduction.py 740k 1M           larger ones
     python benchmarks/reduction.py 110k --solver ngsolve --repeat 3
     python benchmarks/reduction.py 30k --exudyn PYTHON   beside EXUDYN's FEMinterface
 
@@ -27,7 +27,7 @@ import numpy as np
 HERE = Path(__file__).parent
 STEP = HERE.parent / "examples" / "data" / "link_arm.step"
 
-SIZES = {"30k": (0.085, 5), "110k": (0.0385, 9), "300k": (0.0216, 12), "740k": (0.0143, 18)}
+SIZES = {"30k": (0.085, 5), "110k": (0.0385, 9), "300k": (0.0216, 12), "740k": (0.0143, 18), "1M": (0.0128, 20)}
 """Element size in m and elements around a circle."""
 
 USUAL = ("30k", "110k", "300k")
