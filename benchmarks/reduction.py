@@ -27,7 +27,13 @@ import numpy as np
 HERE = Path(__file__).parent
 STEP = HERE.parent / "examples" / "data" / "link_arm.step"
 
-SIZES = {"30k": (0.085, 5), "110k": (0.0385, 9), "300k": (0.0216, 12), "740k": (0.0143, 18), "1M": (0.0128, 20)}
+SIZES = {
+    "30k": (0.085, 5),
+    "110k": (0.0385, 9),
+    "300k": (0.0216, 12),
+    "740k": (0.0143, 18),
+    "1M": (0.0128, 20),
+}
 """Element size in m and elements around a circle."""
 
 USUAL = ("30k", "110k", "300k")
