@@ -12,6 +12,7 @@ from jousto.base.numbers import DefaultNumber, Number, OptionalNumber
 from jousto.base.object_repr import described
 from jousto.materials.material import Material
 from jousto.mechanism.bodies.marker import MarkerField
+from jousto.mechanism.contacts.friction import default_static
 from jousto.mechanism.contacts.laws import ContactLaw, ContactLawField, Hertz
 from jousto.mechanism.contacts.shapes import ShapeField
 
@@ -58,9 +59,7 @@ class Surface(Declared, by_value=True):
     )
 
     def __post_init__(self) -> None:
-        given: Any = self.mu_static
-        if given is None:
-            object.__setattr__(self, "mu_static", self.mu_kinetic)
+        default_static(self)
         super().__post_init__()
 
     @classmethod

@@ -10,6 +10,7 @@ from jousto.base.fields import field
 from jousto.base.numbers import DefaultNumber, Number
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.contacts.effective_mass import mobility
+from jousto.mechanism.contacts.friction import default_static
 from jousto.mechanism.contacts.laws import ContactLawField, Hertz
 from jousto.mechanism.contacts.shapes import Shape, ShapeField, Tip, touching
 from jousto.mechanism.forces.base import ForceElement, Push
@@ -131,9 +132,7 @@ class Contact(ForceElement, tag="contact"):
     )
 
     def __post_init__(self) -> None:
-        given: Any = self.mu_static
-        if given is None:
-            object.__setattr__(self, "mu_static", self.mu_kinetic)
+        default_static(self)
         super().__post_init__()
 
     def __repr__(self) -> str:

@@ -21,6 +21,7 @@ from jousto.mechanism.contacts.collision import (
     Surface,
     SurfacePair,
 )
+from jousto.mechanism.contacts.friction import default_static
 from jousto.mechanism.contacts.laws import ContactLaw
 from jousto.mechanism.contacts.pair_tables import (
     NEITHER,
@@ -162,9 +163,7 @@ class Contacts(ForceElement, tag="contacts"):
     )
 
     def __post_init__(self) -> None:
-        given: Any = self.mu_static
-        if given is None:
-            object.__setattr__(self, "mu_static", self.mu_kinetic)
+        default_static(self)
         super().__post_init__()
 
     def __repr__(self) -> str:
