@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from jousto.base.errors import Problems
 from jousto.mechanism.checks import drives_of, where
 from jousto.mechanism.initial import Initial
@@ -41,13 +39,9 @@ def check_switched(problems: Problems, mechanism: Members) -> None:
 def _check_start(problems: Problems, row: SwitchedRow, initial: Initial | None) -> None:
     """Report an initial value beyond the limits of a stop."""
     value: Any = None if initial is None else initial.value
-    if initial is None or value is None:
-        return
-    low, high = (float(np.real(row.numbers[word])) for word in ("lower", "upper"))
-    start = float(np.real(value))
-    if not low - 1e-9 * max(1.0, abs(low)) <= start <= high + 1e-9 * max(1.0, abs(high)):
+    if initial is not None and value is not None and row.exceeded(value):
         problems.add(
             where(initial),
-            f"value {start:g} is beyond a limit of {row.kind} {row.name!r}; start within them",
+            f"value {value:g} is beyond a limit of {row.kind} {row.name!r}; start within them",
             "value",
         )

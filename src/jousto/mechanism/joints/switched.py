@@ -44,6 +44,14 @@ class SwitchedRow(Coupler):
         """Limits, restitution and slowest impact, in the order of the engine."""
         raise NotImplementedError
 
+    def exceeded(self, value: Any) -> str:
+        """Return "lower" or "upper", the limit beyond which a value of the coordinate is, or ""."""
+        start, numbers = float(np.real(value)), self.numbers
+        small = 1e-9 * max(1.0, abs(start))
+        if start < float(np.real(numbers["lower"])) - small:
+            return "lower"
+        return "upper" if start > float(np.real(numbers["upper"])) + small else ""
+
 
 class RigidStop(SwitchedRow, tag="rigid-stop"):
     """Rigid limits of a coordinate: an impact with a coefficient of restitution e, or rest.
@@ -104,16 +112,13 @@ class RigidStop(SwitchedRow, tag="rigid-stop"):
         s: Any = self.coordinate
         if not isinstance(s, Coordinate):
             return
-        start = float(np.real(s.initial))
-        small = 1e-9 * max(1.0, abs(start))
-        for limit, beyond, name in ((low, -1.0, "lower"), (high, 1.0, "upper")):
-            if limit is not None and beyond * (start - float(np.real(limit))) > small:
-                problems.add(
-                    where,
-                    f"{s.name} starts at {start:g} {s.unit}, beyond the {name} limit {limit:g}; "
-                    "move the bodies or the limit",
-                    name,
-                )
+        if name := self.exceeded(s.initial):
+            problems.add(
+                where,
+                f"{s.name} starts at {float(np.real(s.initial)):g} {s.unit}, beyond the {name} "
+                f"limit {getattr(self, name):g}; move the bodies or the limit",
+                name,
+            )
 
     @property
     def numbers(self) -> dict[str, float]:
