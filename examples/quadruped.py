@@ -36,7 +36,9 @@ def quadruped(swing: float = 0.0, slope: float = 0.0) -> jo.Model:
     down = 9.81 * np.array([-np.sin(slope), 0.0, -np.cos(slope)])
     body = jo.robots.mechanism(robot, gravity=down, at=at, actuators=False)
     links = {one.name: one for one in body.bodies}
-    joints: dict[str, Any] = {sensor.name: sensor.coordinate for sensor in body.sensors}
+    joints: dict[str, Any] = {
+        one.name: one.coordinate for one in body.sensors if isinstance(one, jo.CoordinateSensor)
+    }
     floor = jo.ground.at((0, 0, 0.42 - 2 * LENGTH * np.cos(HIP) - RADIUS))
     items: list[Any] = [jo.PositionSensor("trunk", links["trunk"]["origin"])]
     for leg, shin in SHINS.items():
