@@ -41,6 +41,8 @@ typedef double jo_real;
  * contact_pair: two convex polytopes, see force_contact_pair.c; 8 states for each of up to 8 points
  * contact_set: shapes whose pairs are not known; its numbers are followed by the rows of contact_rows.h, its force by those of its slots
  * contact_slot: contact of a pair that is near; set, number: forces of the set and of the slot; eight states from jo_force.state on
+ * contact_track: a wheel on a curve through markers, see force_contact_track.c; followed by its pieces (count); seven states from jo_force.state on
+ * tyre: of a wheel b on a plane of a, see force_tyre.c and tyre_law.c; two states from jo_force.state on
  * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
  *   coefficients of (s - s_k)^0..3 of the position and of each mode shape; at s = reference(t), times signal; 0 beyond the ends */
 #define JO_CONTACT_LAW stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, mass, duration
@@ -59,6 +61,9 @@ typedef double jo_real;
     ROW(plastic, stiffness, free, strength, kinematic, recovery, isotropic, saturation, rate) \
     ROW(gear_spring, stiffness, damping, ratio, free) \
     ROW(contact_pair, JO_CONTACT_LAW) \
+    ROW(contact_track, JO_CONTACT_LAW, radius, count) \
+    ROW(tyre, radius, stiffness, damping, relaxation[2], lead, slow, sink, resistance, law, mu, half_length, load, cx, cy, \
+        longitudinal[9], lateral[13], aligning[14], peak[2]) \
     /* the last row */
 
 /* Methods of integration, a row each: ROW(name, family, order, stages, coefficients), which the Python binding reads, too. A row makes

@@ -239,6 +239,11 @@ def _machines(made: Made, folder: Path) -> list[Call]:
         (jo.Rotate.euler, {"convention": "ZXZ", "degrees": (1.0, 2.0, 3.0)}),
         (jo.model.DamageMeter, {"sn": made["curve"], "residue": "half"}),
         (
+            jo.mechanism.BrushTyre,
+            {"mu": 1.0, "load": 4e3, "stiffness_x": 8e4, "stiffness_y": 6e4, "half_length": 0.06},
+        ),
+        (jo.mechanism.MagicFormula, {"nominal": 4e3}),
+        (
             jo.mechanism.MovingLoad,
             {
                 "name": "f",

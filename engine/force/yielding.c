@@ -54,7 +54,7 @@ double jo_yielding_longest_step(const jo_model *m, const jo_data *d, int explici
         const jo_force *f = &m->force[d->forces.yielding[k]];
         const jo_yielding *kind = jo_yielding_of(f);
         if (!kind->longest_step || jo_released(d, f->release)) continue;
-        const int own = explicit_method == JO_EXPLICIT_SLOTS ? f->type == JO_FORCE_contact_slot : explicit_method;
+        const int own = explicit_method == JO_EXPLICIT_SLOTS ? f->type == JO_FORCE_contact_slot || f->type == JO_FORCE_contact_track : explicit_method;
         longest = fmin(longest, kind->longest_step(m, d, f, own));
     }
     return longest;

@@ -119,6 +119,7 @@ def test_every_joint_load_sensor_and_signal_is_exported_and_in_its_tuple():
     others |= {Coordinate, Angle, Displacement, Distance}
     others |= {jo.Fmu}  # a model of another program beside it
     others |= {jo.mechanism.ElasticJoint, jo.mechanism.HarmonicDrive}
+    others |= set(kinds("tyre_laws", "jousto.mechanism.forces").values())
     for section in ("contact shapes", "contact laws"):
         others |= set(kinds(section, "jousto.mechanism.contacts").values())
     names = ("Apart", "CollisionShape", "Surface", "SurfacePair")  # parts of a set of contacts

@@ -116,6 +116,15 @@ def everything() -> jo.Mechanism:
             *(slider["tip"], jo.mechanism.Sphere(0.05), jo.mechanism.PowerLaw(1e6)),
             mu_kinetic=0.3,
         ),
+        jo.mechanism.TrackContact(
+            *("trolley", (arm["start"], arm["end"]), slider["tip"], jo.mechanism.PowerLaw(1e6)),
+            up=(0, 0, -1),
+        ),
+        jo.mechanism.Tyre(
+            *("tyre", jo.ground.at((0, 0, -50.0)), wheel["origin"], 0.3),
+            *(jo.mechanism.MagicFormula(), 2e5),
+            axle=(0, 1, 0),
+        ),
         jo.Servo("servo", slide.displacement, jo.Constant(0.1), kp=10.0),
         jo.mechanism.PID("hold", slide.displacement, 0.1, kp=10.0, ki=1.0),
         jo.mechanism.SpeedPID("spin", axle.angle, 1.0, kp=1.0),

@@ -38,6 +38,8 @@ from .forces.pid import PID as PID, SpeedPID as SpeedPID
 from .forces.plastic import PlasticSpring as PlasticSpring
 from .forces.springs import ModalLoad as ModalLoad
 from .forces.stop import Stop as Stop
+from .forces.track import TrackContact as TrackContact, nodes_along as nodes_along
+from .forces.tyre import BrushTyre as BrushTyre, MagicFormula as MagicFormula, Tyre as Tyre
 from .joints.directions import ParallelAxes as ParallelAxes, Perpendicular as Perpendicular
 from .joints.rolling import (
     KnifeEdge as KnifeEdge,

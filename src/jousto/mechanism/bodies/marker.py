@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -221,6 +221,20 @@ class MarkerField(Field[Marker, Marker]):
         """Return the marker, or report a value of another type."""
         check_marker(problems, where, self.name, value)
         return value
+
+
+class MarkersField(Field["Iterable[Marker]", "tuple[Marker, ...]"]):
+    """Field of several markers, in order; a model file contains a list of them."""
+
+    form = "markers"
+    noun = "sequence of Marker"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the markers as a tuple, or report values of other types."""
+        markers = tuple(value) if isinstance(value, Iterable) else (value,)
+        for i, one in enumerate(markers):
+            check_marker(problems, where, f"{self.name}[{i}]", one)
+        return markers
 
 
 class OptionalMarker(Field["Marker | None", "Marker | None"]):

@@ -76,7 +76,7 @@ class Push:
     states : tuple of str
         Names of the first-order states of the law.
     numbers : callable, optional
-        Function that returns the `Packed` numbers in place of `data`, given the builder of the
+        Function that returns the `Packed` numbers that follow `data`, given the builder of the
         model.
     """
 

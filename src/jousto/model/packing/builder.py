@@ -234,6 +234,8 @@ class Builder:
     def _push(self, force: ForceElement, push: Push, release: int) -> ForceModel:
         self._states += len(push.states)
         packed = Packed(numbers_of(push)) if push.numbers is None else push.numbers(self)
+        if push.numbers is not None and push.data:
+            packed = replace(packed, data=np.append(numbers_of(push), packed.data))
         return ForceModel(
             name=force.name,
             kind=push.kind,

@@ -366,6 +366,8 @@ REFUSED = {
     "contact slot": "it has no bristles and does not locate a touch in time",
     "contact": "it has no bristles and does not locate a touch in time",
     "contact pair": "it has no bristles and does not locate a touch in time",
+    "contact track": "it has no bristles and does not locate a touch in time",
+    "tyre": "it does not integrate the slip of tyres",
     "plastic": "it has no plastic deformation that the end of a step keeps",
 }
 """Laws of the engine that the moving frame does not have, and why."""

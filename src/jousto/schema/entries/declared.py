@@ -50,6 +50,7 @@ FORMS: dict[str, Callable[[Any], Any]] = {
     "nested": lambda field: one_of(field.section, field.room),
     "direction": lambda field: Direction,
     "marker": lambda field: Marker,
+    "markers": lambda field: ROW[Marker, ...],
     "item": lambda field: item(field),
     "event": lambda field: Text,
     "items": lambda field: several(item(field)),

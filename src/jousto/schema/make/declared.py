@@ -177,6 +177,12 @@ def marker(place: Place, value: Any) -> Any:
     return place.builder.marker(place.loc, value, place.known["bodies"])
 
 
+def markers(place: Place, values: Any) -> Any:
+    """Return the markers that an entry names; None if one is invalid."""
+    made = tuple(marker(place.at(i), value) for i, value in enumerate(values))
+    return None if None in made else made
+
+
 def reference(place: Place, name: str) -> Any:
     """Return the object that an entry names."""
     section, word = place.field.section, place.field.word
@@ -264,6 +270,7 @@ FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "members": several,
     "point masses": several,
     "marker": marker,
+    "markers": markers,
     "reference": reference,
     "references": references,
     "nested": nested,
@@ -285,7 +292,7 @@ FORMS: dict[str, Callable[[Place, Any], Any]] = {
 """How a value of each form becomes an object; those of other forms stay as they are."""
 
 
-NAMING = ("marker", "reference", "references", "coordinate", "coordinates", "event")
+NAMING = ("marker", "markers", "reference", "references", "coordinate", "coordinates", "event")
 """Forms whose values name entries of the file."""
 
 
