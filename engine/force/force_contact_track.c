@@ -13,7 +13,7 @@
 #include "newton/newton.h"
 #include "force/contact_track.h"
 
-enum { JO_TRACK_PIECE = JO_CONTACT_STATES };   /* state after those of a point: the piece on which the wheel is */
+#define JO_TRACK_PIECE JO_CONTACT_STATES   /* state after those of a point: the piece on which the wheel is */
 
 static const jo_contact_track_data *numbers(const jo_force *f) { return (const jo_contact_track_data *)f->data; }
 static jo_real *states(const jo_data *d, const jo_force *f) { return d->w + (d->nw - d->forces.nstate) + f->state; }

@@ -1,0 +1,55 @@
+"""Tyres and wheels on tracks in an exported program: the same motion as in the engine."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import jousto as jo
+from exported import CC, PLAIN, compiled, expected, table
+from jousto.export.project import write_program
+from jousto.mechanism import BrushTyre, MagicFormula, PowerLaw, TrackContact, Tyre
+
+pytestmark = pytest.mark.skipif(
+    CC is None or sys.platform == "win32", reason="no C compiler to compile the programs with"
+)
+
+
+@pytest.mark.filterwarnings("ignore:.*moves freely")
+def test_a_program_rolls(tmp_path: Path) -> None:
+    """Two wheels on tyres, and a ball that is dropped on a beam."""
+    brush = BrushTyre(0.9, load=300, stiffness_x=9e3, stiffness_y=6e3, half_length=0.05)
+    items: list[object] = []
+    for i, law in enumerate((brush, MagicFormula(300.0))):
+        wheel = jo.RigidBody(
+            f"w{i}", 30.0, (0.6, 1, 0.6), position=(0, 2.0 + i, 0.3), velocity=(2, 0.3, 0),
+            angular_velocity=(0, 4.0, 0.2),
+        )  # fmt: skip
+        tyre = Tyre(
+            *(f"t{i}", jo.ground["origin"], wheel["origin"], 0.31, law, 2e5), axle=(0, 1, 0)
+        )
+        items += [wheel, tyre, jo.PositionSensor(f"p{i}", wheel["origin"])]
+    steel = jo.Material(E=210e9, nu=0.3, rho=7850)
+    part = jo.Part.beam(2.0, jo.Rectangle(0.03, 0.01), 4, steel)
+    reduced = jo.reduce(part, jo.CraigBampton(interfaces=("start", "end"), modes=2))
+    beam = jo.FlexibleBody("beam", reduced.keep(reduced.in_plane("xz")))
+    held = jo.Fixed("held", jo.ground["origin"], beam["start"])
+    ball = jo.RigidBody.sphere(
+        "ball", radius=0.02, mass=0.3, position=(0.5, 0, 0.03), velocity=(1, 0, 0)
+    )
+    touch = TrackContact(
+        *("touch", (beam["start"], beam["end"]), ball["origin"], PowerLaw(1e5, 1.0)),
+        radius=0.02,
+        mu_kinetic=0.3,
+    )
+    items += [beam, held, ball, touch, jo.PositionSensor("ball", ball["origin"])]
+    model = jo.compile(jo.Mechanism(*items, jo.Gravity((0, 0, -9.81))))  # type: ignore[arg-type]
+    solver = jo.RK4(step=1e-4)
+    write_program(model, tmp_path / "rolls.c", solver)
+    found = table(compiled(tmp_path, "rolls.c", flags=(*PLAIN, "-DMAIN")), "0.2", "10")
+    want = expected(model, jo.simulate(model, 0.2, solver=solver, output_step=0.02))
+    assert np.abs(found - want).max() < 1e-9
+    assert np.abs(np.diff(want, axis=0)).max() > 0.01
