@@ -94,7 +94,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 23 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 24 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -344,8 +344,9 @@ typedef struct {
     int state, states;      /* index of its first state, and number of states; -1, 0: none */
 } jo_force;
 
-/* Coefficients of friction; velocity, m/s, at which the regularised law reaches mu_static; lengths, m; preload, N. */
-typedef struct { jo_real mu_kinetic, mu_static, velocity, radius, bearing, collar, preload; } jo_friction_data;
+/* Coefficients of friction; velocity, m/s, at which the regularised law reaches mu_static; lengths, m; preload, N; plane 1: N is |F_z|, of a
+ * disc on a plane. */
+typedef struct { jo_real mu_kinetic, mu_static, velocity, radius, bearing, collar, preload, plane; } jo_friction_data;
 /* Coulomb friction of a joint along one or two of its coordinates. Normal force from the reaction F, M on side 1, resolved in side 0:
  * N = preload + |F_xy| + |M_xy| / bearing. Revolute (an angle): N at the pin radius and |F_z| at the collar radius; prismatic (a
  * displacement along z): |M_z| / collar adds to N; cylindrical (displacement and angle): against the slip at the radius. A

@@ -9,6 +9,8 @@
 #include "friction/friction_law.h"
 #include "tree/tree.h"
 
+/* as JO_REST, when a disc touches a plane, where it rolls already after a flight that round-off caused */
+#define JO_TOUCH_REST 1e-6
 #define JO_OVERLOAD 1e-9    /* excess of the holding force, relative to the static friction, that counts as round-off */
 
 /* y (6) = reaction of the joint for multipliers lam, in the axes of side 0 */
@@ -68,7 +70,8 @@ void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *
         return;
     }
     const jo_real speed = jo_length2(s[0], s[1]);
-    const int slow = !(JO_RE(speed) > JO_REST * m->size);
+    const double rest = !d->slip[i] && JO_RE(f->data->plane) > 0.0 ? JO_TOUCH_REST : JO_REST;
+    const int slow = !(JO_RE(speed) > rest * m->size);
     if (d->slip[i] && (slow || JO_RE(s[0] * old[0] + s[1] * old[1]) < 0.0)) {
         e[0] = old[0];
         e[1] = old[1];
@@ -159,7 +162,12 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
         }
     }
     /* gradients g, h of N and c of the collar, in the axes of side 0 */
-    gradient_of_length(g, F[0], F[1], 1.0);
+    if (JO_RE(data->plane) > 0.0) {
+        g[0] = g[1] = 0.0;
+        g[2] = JO_RE(F[2]) < 0.0 ? -1.0 : 1.0;
+    } else {
+        gradient_of_length(g, F[0], F[1], 1.0);
+    }
     gradient_of_length(h, M[0], M[1], JO_RE(data->bearing) > 0.0 ? 1.0 / data->bearing : 0.0);
     if (JO_RE(data->collar) > 0.0) {
         if (jo_slip_turns(m, f, 0)) c[2] = JO_RE(F[2]) < 0.0 ? -data->collar : data->collar;

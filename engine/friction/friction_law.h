@@ -23,14 +23,15 @@ static inline jo_real jo_length2(jo_real x, jo_real y)
     return JO_RE(square) > 0.0 ? jo_sqrt(square) : 0.0;
 }
 
-/* normal force N = preload + |F_xy| + |M_xy| / bearing (+ |M_z| / collar) from the reaction y in the axes of side 0, and torque of a thrust
+/* normal force N = preload + |F_xy| + |M_xy| / bearing (+ |M_z| / collar), of a disc on a plane preload + |F_z|, from the reaction y in the axes of side 0, and torque of a thrust
  * collar, collar |F_z|, N m */
 static inline jo_real jo_friction_normal_force(const jo_model *m, const jo_friction *f, const jo_real *y, jo_real *collar)
 {
     const jo_friction_data *data = f->data;
     const jo_real *M = y + 3;
-    jo_real N = jo_length2(y[0], y[1]) + data->preload;
     *collar = 0.0;
+    if (JO_RE(data->plane) > 0.0) return jo_size(y[2]) + data->preload;
+    jo_real N = jo_length2(y[0], y[1]) + data->preload;
     if (JO_RE(data->bearing) > 0.0) N += jo_length2(M[0], M[1]) / data->bearing;
     if (JO_RE(data->collar) > 0.0) {
         if (jo_slip_turns(m, f, 0)) *collar = data->collar * jo_size(y[2]);

@@ -42,6 +42,7 @@ from .forces.track import TrackContact as TrackContact, nodes_along as nodes_alo
 from .forces.tyre import BrushTyre as BrushTyre, MagicFormula as MagicFormula, Tyre as Tyre
 from .joints.directions import ParallelAxes as ParallelAxes, Perpendicular as Perpendicular
 from .joints.rolling import (
+    DiscOnPlane as DiscOnPlane,
     KnifeEdge as KnifeEdge,
     RollingDisc as RollingDisc,
     RollingWheel as RollingWheel,

@@ -129,7 +129,8 @@ def pack(mechanism: Mechanism) -> tuple[Model, Builder]:
             builder.declared(coordinate)
     for initial in mechanism.initials:
         builder.declared(initial.coordinate)
-    places = {id(joint): i for i, joint in enumerate(mechanism.joints)}
+    # couplings follow the joints
+    places = {id(x): i for i, x in enumerate((*mechanism.joints, *mechanism.couplings))}
     for friction in mechanism.frictions:  # these rows follow all permanent rows
         builder.friction(friction, places[id(friction.joint)])
     active = len(builder.markers)

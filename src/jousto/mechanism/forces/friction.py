@@ -8,9 +8,9 @@ from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import Name, Nested, Reference, field
 from jousto.base.numbers import DefaultNumber, Number, OptionalPositive, Positive
-from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.joints.hinges import Cylindrical, Revolute
+from jousto.mechanism.joints.rolling import DiscOnPlane
 from jousto.mechanism.joints.slides import Prismatic
 
 
@@ -68,19 +68,20 @@ class LawField(Nested["Law | None", Law]):
         return value
 
 
-class RubbingJoint(Reference[Joint, Joint]):
+class RubbingJoint(Reference["Joint | DiscOnPlane", Any]):
     """Field of a joint that may have friction; a model file contains its name."""
 
-    section = "joints"
+    section = ("joints", "couplings")
     word = "joint"
-    noun = "Revolute, Prismatic or Cylindrical"
+    noun = "Revolute, Prismatic, Cylindrical or DiscOnPlane"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the joint, or report a value of another type."""
-        if not isinstance(value, Revolute | Prismatic | Cylindrical):
+        if not isinstance(value, Revolute | Prismatic | Cylindrical | DiscOnPlane):
             problems.add(
                 where,
-                f"joint is {value!r}, friction acts on Revolute, Prismatic and Cylindrical joints",
+                f"joint is {value!r}, friction acts on Revolute, Prismatic and Cylindrical joints "
+                "and on a DiscOnPlane",
                 "joint",
             )
         return value
@@ -96,7 +97,9 @@ class Friction(Declared, section="frictions"):
     * Revolute: the torque ``mu (radius N + collar_radius |F_z|)``;
     * Prismatic: the force ``mu (N + |M_z| / collar_radius)``;
     * Cylindrical: ``mu N`` against the slip velocity (s', radius phi') on the pin, a force along
-      the axis and a torque about it.
+      the axis and a torque about it;
+    * DiscOnPlane: ``mu (preload + |F_z|)`` against the slip of the lowest point, F_z along the
+      normal of the plane.
 
     Friction acts on the elastic modes of flexible bodies as reactions do.
     """
@@ -143,7 +146,11 @@ class Friction(Declared, section="frictions"):
         law: Law | None = self.law
         object.__setattr__(self, "mu_static", self.mu_kinetic if static is None else static)
         object.__setattr__(self, "law", Regularised() if law is None else law)
-        if isinstance(self.joint, Prismatic):
+        if isinstance(self.joint, DiscOnPlane):
+            for key in ("radius", "bearing_length", "collar_radius"):
+                if getattr(self, key) is not None:
+                    problems.add(where, f"{key} is given, but a disc on a plane has none", key)
+        elif isinstance(self.joint, Prismatic):
             if self.radius is not None:
                 problems.add(
                     where, "radius is given, but a prismatic joint does not turn", "radius"
@@ -176,4 +183,5 @@ class Friction(Declared, section="frictions"):
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Coordinates of the joint along which friction acts."""
-        return self.joint.coordinates
+        joint = self.joint
+        return joint.slips if isinstance(joint, DiscOnPlane) else joint.coordinates

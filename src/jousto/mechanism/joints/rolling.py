@@ -12,12 +12,33 @@ from jousto.base.errors import Problems
 from jousto.base.fields import field
 from jousto.base.numbers import Number
 from jousto.base.rotations import Direction, turn_onto
-from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.joints.base import Joint, aligned
 from jousto.mechanism.joints.coordinate import Coordinate, Line
+from jousto.mechanism.joints.switched import UNLIMITED, SwitchedRow
 
 FLAT = 1e-6
 """Sine of the angle between axle and normal below which a disc has no lowest point."""
+LOW = 1e-9
+"""Depth of a disc below the plane over its radius that counts as rounding."""
+NORMAL = "Normal k of the plane in the world frame at the initial pose; None for the z axis of a"
+AXLE = "Axle n in the world frame at the initial pose; None for the z axis of marker b"
+
+
+def plane_frames(*sides: tuple[Marker, Any]) -> tuple[Marker, Marker]:
+    """Return two markers with their z axes along given directions, or as they are for None."""
+    a, b = (
+        marker if given is None else aligned(marker, turn_onto(marker.A, given))
+        for marker, given in sides
+    )
+    return a, b
+
+
+def check_upright(problems: Problems, where: str, frames: tuple[Marker, Marker], what: str) -> None:
+    """Report an axle, or the direction across a blade, along the normal of the plane."""
+    a, b = (np.real(marker.A[:, 2]) for marker in frames)
+    if float(np.linalg.norm(np.cross(a, b))) < FLAT:
+        problems.add(where, f"{what} is normal to the plane at the initial pose; turn the body")
 
 
 class DiscCoordinate(Coordinate):
@@ -92,19 +113,10 @@ class OnPlane(Joint):
     @cached_property
     def frames(self) -> tuple[Marker, Marker]:
         """Markers with z axes along the normal and along the axle."""
-        made = []
-        for marker, given in ((self.a, self.normal), (self.b, self.across_b)):
-            frame = marker.A if given is None else turn_onto(marker.A, given)
-            made.append(marker if given is None else aligned(marker, frame))
-        return made[0], made[1]
+        return plane_frames((self.a, self.normal), (self.b, self.across_b))
 
     def _coordinate(self, kind: type[DiscCoordinate], word: str, radius: Any = 0.0) -> Any:
         return kind(*self.frames, radius, name=f"{self.name}.{word}", joint=self)
-
-    def _check_upright(self, problems: Problems, where: str, what: str) -> None:
-        a, b = self.frames
-        if float(np.linalg.norm(np.cross(np.real(a.A[:, 2]), np.real(b.A[:, 2])))) < FLAT:
-            problems.add(where, f"{what} is normal to the plane at the initial pose; turn the body")
 
 
 class _Wheel(OnPlane):
@@ -126,12 +138,104 @@ class _Wheel(OnPlane):
     def consistent(self, problems: Problems, where: str) -> None:
         """Report a disc that lies flat."""
         super().consistent(problems, where)
-        self._check_upright(problems, where, "the axle")
+        check_upright(problems, where, self.frames, "the axle")
 
     @cached_property
     def height(self) -> RimHeight:
         """Height of the lowest point of the rim above the plane, m; constant 0."""
         return self._coordinate(RimHeight, "height", self.radius)  # type: ignore[no-any-return]
+
+
+class DiscOnPlane(SwitchedRow, tag="disc-on-plane"):
+    """A disc that touches a plane, leaves it and lands on it: one row while it touches.
+
+    The height of the lowest point of the rim, as of `RollingDisc`, is limited by 0: a landing is an
+    impact with a restitution, as of a `RigidStop`, and a disc at rest on the plane leaves it when
+    the plane would have to pull. With a `Friction` on it, whose normal force is that of the plane,
+    the disc rolls or slips: with `StickSlip` two more rows hold the velocity of the lowest point at
+    0 up to mu_static N, then mu_kinetic N acts against its slip until that stops. Flight, landing,
+    slip and rolling are events of the run.
+
+    Examples
+    --------
+    >>> from jousto import Friction, RigidBody, ground
+    >>> from jousto.mechanism import StickSlip
+    >>> disc = RigidBody("disc", 1.0, (0.0025, 0.005, 0.0025), position=(0, 0, 0.1))
+    >>> touch = DiscOnPlane("touch", ground["origin"], disc["origin"], 0.1, axle=(0, 1, 0))
+    >>> grip = Friction("grip", touch, 0.2, law=StickSlip())
+    """
+
+    kind = "disc on a plane"
+    together = ("a", "b", "radius")
+    a: MarkerField = field("Marker of the plane")
+    b: MarkerField = field("Marker at the centre of the disc, on another body")
+    radius: Number = field("Radius R of the disc", unit="m", above=0)
+    normal: Direction = field(NORMAL, default=None, kw_only=True)
+    axle: Direction = field(AXLE, default=None, kw_only=True)
+    restitution: Number = field(
+        "Coefficient of restitution of a landing",
+        unit="1",
+        least=0,
+        most=1,
+        default=0.0,
+        kw_only=True,
+    )
+    slowest: Number = field(
+        "Speed of approach up to which a landing does not rebound",
+        unit="m/s",
+        above=0,
+        default=1e-3,
+        kw_only=True,
+    )
+
+    def __repr__(self) -> str:
+        return f"<DiscOnPlane {self.name!r}: {self.a.label} - {self.b.label}>"
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Report one body on both sides, a disc that lies flat, and one below the plane."""
+        if self.a.body is self.b.body:
+            problems.add(where, f"a and b are both on {self.a.body.name!r}; take two bodies", "b")
+        check_upright(problems, where, self.frames, "the axle")
+        height = float(np.real(self.height.initial))
+        if height < -LOW * float(np.real(self.radius)):
+            problems.add(
+                where,
+                f"the disc is {-height:g} m below the plane at the initial pose; move the body",
+                "radius",
+            )
+
+    @cached_property
+    def frames(self) -> tuple[Marker, Marker]:
+        """Markers with z axes along the normal and along the axle."""
+        return plane_frames((self.a, self.normal), (self.b, self.axle))
+
+    def _coordinate(self, kind: type[DiscCoordinate], word: str) -> Any:
+        return kind(*self.frames, self.radius, name=f"{self.name}.{word}")
+
+    @cached_property
+    def height(self) -> RimHeight:
+        """Height of the lowest point of the rim above the plane, m."""
+        return self._coordinate(RimHeight, "height")  # type: ignore[no-any-return]
+
+    @property
+    def coordinate(self) -> Coordinate:
+        """The height."""
+        return self.height
+
+    @cached_property
+    def slips(self) -> tuple[Coordinate, ...]:
+        """Coordinates whose rates are the slip of the lowest point along and across."""
+        return (self._coordinate(Rolled, "along"), self._coordinate(Across, "across"))
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Limits, restitution and slowest impact."""
+        return {
+            "lower": 0.0,
+            "upper": UNLIMITED,
+            "restitution": self.restitution,
+            "slowest": self.slowest,
+        }
 
 
 class RollingDisc(_Wheel, tag="rolling-disc"):
@@ -187,7 +291,7 @@ class KnifeEdge(OnPlane, tag="knife-edge"):
     def consistent(self, problems: Problems, where: str) -> None:
         """Report a blade that is held nowhere in the plane."""
         super().consistent(problems, where)
-        self._check_upright(problems, where, "the direction across the blade")
+        check_upright(problems, where, self.frames, "the direction across the blade")
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:

@@ -274,6 +274,7 @@ def friction_numbers(friction: Friction) -> NDArray[np.float64]:
         bearing=friction.bearing_length or 0.0,
         collar=friction.collar_radius or 0.0,
         preload=friction.preload,
+        plane=float(isinstance(friction.joint, SwitchedRow)),
     )
 
 
