@@ -115,6 +115,22 @@ typedef struct { int kind, of[4], count[2]; double gap, normal[3]; } jo_separate
 typedef struct { double code, weight, at[3]; } jo_corner;
 enum { JO_CORNERS = 8 };    /* largest number */
 
+/* Surface of triangles in the frame of its marker. closed: it has an inside, else two sides. group: triangles of one plane; patch: triangles
+ * joined by edges that are not concave. */
+enum { JO_MESH_MARK = -1 };       /* first number of a surface, where a polytope has the number of its vertices */
+enum { JO_MESH_POINTS = 8 };      /* largest number of points at which a polytope touches a surface, or a sphere has local minima */
+
+typedef struct {
+    int vertices, triangles, groups, leaves, closed;
+    const jo_real *vertex, *plane, *corner, *neighbour, *group, *patch, *first, *fan, *box;   /* see mesh.c */
+} jo_mesh;
+
+static inline int jo_is_mesh(const jo_real *data) { return (int)JO_RE(data[0]) == JO_MESH_MARK; }
+
+/* Distance of a polytope from a surface, less both radii: normal at the nearest place. For the proof of a gap: part of the surface there, > 0 a
+ * plane, < 0 a patch, 0 unknown; curvature of the distance above it, 1/m; distance of everything else. */
+typedef struct { double gap, normal[3], clear, curvature; int part; } jo_mesh_gap;
+
 /* shape_distance.c */
 void jo_shape_distance(int shape, const jo_real *size, const jo_real *x, jo_distance *y);
 
@@ -149,14 +165,25 @@ int jo_found_all_contacts(const jo_model *m, const jo_data *d, double h);
 const jo_real *jo_polytope_read(const jo_real *data, jo_polytope *p);   /* returns the end of its data */
 void jo_polytope_place(jo_polytope *p, const jo_real *r, const jo_real *R);   /* NULL: at the origin */
 
+/* feature.c */
+void jo_feature_at(const jo_polytope *A, const jo_polytope *B, const jo_real *r, const jo_real *R, jo_real code, jo_feature *y);
+void jo_feature_change(const jo_feature *y, const jo_real *r, const jo_real *x, const jo_real *phi, jo_real *gap, jo_real *normal, jo_real *foot);
+
+/* mesh.c */
+const jo_real *jo_mesh_read(const jo_real *data, jo_mesh *m, jo_real *radius);   /* returns the end of its data */
+
+/* mesh_points.c */
+/* b is placed, `radius` is the sum of both radii, `code` those of the points that touch */
+void jo_mesh_distance(const jo_mesh *m, const jo_polytope *b, double radius, jo_mesh_gap *y);
+int jo_mesh_points(const jo_mesh *m, const jo_polytope *b, double radius, const double *code, int count, double *found, int *from);
+double jo_mesh_unlisted(const jo_mesh *m, const jo_polytope *b, double radius, const double *code, int count);   /* gap of further points */
+void jo_mesh_clearance(const jo_mesh *m, const jo_polytope *b, double radius, const double *code, int count, jo_mesh_gap *y);
+void jo_mesh_point_feature(const jo_mesh *m, const jo_polytope *b, const jo_real *r, const jo_real *R, double code, jo_feature *y);
+
 /* separation.c */
 void jo_separation(const jo_polytope *a, const jo_polytope *b, const jo_separated *before, jo_separated *y);   /* before: where it was found, or NULL */
 
 /* corners.c */
 int jo_corners(const jo_polytope *a, const jo_polytope *b, const jo_separated *s, jo_corner *list);   /* their number, up to JO_CORNERS */
-
-/* feature.c */
-void jo_feature_at(const jo_polytope *A, const jo_polytope *B, const jo_real *r, const jo_real *R, jo_real code, jo_feature *y);
-void jo_feature_change(const jo_feature *y, const jo_real *r, const jo_real *x, const jo_real *phi, jo_real *gap, jo_real *normal, jo_real *foot);
 
 #endif

@@ -2,7 +2,7 @@
  *
  * n: unit normal from a to b; foot points p_b - p_a = g n; s: displacement of the material foot point of b. Then dg = n . s, and n turns by two
  * conditions u_i . dn in its tangent plane: 0 along an edge or face of a, u . (phi x n) along one of b, u . s / g where neither holds it. */
-#include "contact/contact.h"
+#include "contact/polytope.h"
 
 enum { JO_FIXED_A, JO_FIXED_B, JO_FREE };
 #define JO_EDGES_CROSS 1e-20    /* square of the sine of the angle below which two edges do not cross */
@@ -45,11 +45,11 @@ static void isotropic(jo_feature *y, int rule)
     conditions(y, u, rule, v, rule);
 }
 
-/* w = n g, perpendicular to the edge e (0: none) */
-static void apart(jo_feature *y, jo_real *w, const jo_real *e, int rule)
+/* w = n g, perpendicular to the edge e (0: none); sign of g */
+static void apart(jo_feature *y, jo_real *w, const jo_real *e, int rule, double sign)
 {
     if (e) jo_axpy3(w, -jo_dot3(w, e), e);
-    y->gap = jo_sqrt(jo_dot3(w, w));
+    y->gap = sign * jo_sqrt(jo_dot3(w, w));
     for (int i = 0; i < 3; i++) y->normal[i] = w[i] / y->gap;
     if (!e) {
         isotropic(y, JO_FREE);
@@ -117,9 +117,9 @@ void jo_feature_at(const jo_polytope *A, const jo_polytope *B, const jo_real *r,
     jo_set3(w, b);
     if (f.kind != JO_FACE_VERTEX && f.kind != JO_VERTEX_FACE) jo_sub3(w, a);
     switch (f.kind) {
-    case JO_VERTEX_VERTEX: apart(y, w, 0, JO_FREE); break;
-    case JO_EDGE_VERTEX: apart(y, w, e, JO_FIXED_A); break;
-    case JO_VERTEX_EDGE: apart(y, w, k, JO_FIXED_B); break;
+    case JO_VERTEX_VERTEX: apart(y, w, 0, JO_FREE, 1.0); break;
+    case JO_EDGE_VERTEX: apart(y, w, e, JO_FIXED_A, 1.0); break;
+    case JO_VERTEX_EDGE: apart(y, w, k, JO_FIXED_B, 1.0); break;
     case JO_FACE_VERTEX:
         jo_set3(y->normal, A->plane + 4 * f.a[0]);
         y->gap = jo_dot3(y->normal, b) - A->plane[4 * f.a[0] + 3];
@@ -143,6 +143,25 @@ void jo_feature_at(const jo_polytope *A, const jo_polytope *B, const jo_real *r,
     } else if (f.kind != JO_EDGE_EDGE) {
         jo_set3(y->foot, a);
     }
+}
+
+void jo_feature_above(jo_feature *y, const jo_real *normal, jo_real gap, const jo_real *c)
+{
+    y->kind = JO_FACE_VERTEX;
+    y->gap = gap;
+    jo_set3(y->normal, normal);
+    isotropic(y, JO_FIXED_A);
+    jo_set3(y->foot, c);
+    jo_axpy3(y->foot, -gap, normal);
+}
+
+void jo_feature_around(jo_feature *y, jo_real *w, jo_real *e, double sign, const jo_real *c)
+{
+    y->kind = e ? JO_EDGE_VERTEX : JO_VERTEX_VERTEX;
+    if (e) length1(e);
+    apart(y, w, e, e ? JO_FIXED_A : JO_FREE, sign);
+    jo_set3(y->foot, c);
+    jo_axpy3(y->foot, -y->gap, y->normal);
 }
 
 /* changes of gap, normal and foot point of a with a displacement x and rotation phi of b about its origin, where r is that origin */

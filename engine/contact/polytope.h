@@ -37,7 +37,9 @@ int jo_polytope_corner(const jo_polytope *p, int face, int i);   /* its vertex; 
 /* closest_points.c */
 double jo_closest_points(const jo_polytope *a, const jo_polytope *b, double share, jo_simplex *s);
 
-/* separation.c */
-
+/* feature.c: of a fixed surface a and the centre c of a sphere */
+void jo_feature_above(jo_feature *y, const jo_real *normal, jo_real gap, const jo_real *c);   /* over a plane */
+/* about a vertex, or an edge along e (NULL: none), from which c is displaced by w; sign of the gap */
+void jo_feature_around(jo_feature *y, jo_real *w, jo_real *e, double sign, const jo_real *c);
 
 #endif

@@ -3,7 +3,7 @@
  * s(n) = min over b of n . y - max over a of n . y is at most the distance, for every unit vector n; two polytopes are apart if and only if
  * s > 0 for the normal of a face or the product of two edges (Gottschalk, Lin, Manocha, SIGGRAPH 1996). Where they overlap, its largest value
  * is the signed distance. It is looked for near the closest points of smaller copies of both. */
-#include "contact/polytope.h"
+#include "contact/mesh.h"
 
 enum { JO_SMALLER = 5 };
 static const double smaller[JO_SMALLER] = {0.98, 0.9, 0.6, 0.2, 0.0};   /* scales about the centres, until the copies are apart */
@@ -230,10 +230,28 @@ void jo_separation(const jo_polytope *a, const jo_polytope *b, const jo_separate
     }
 }
 
+/* the same for a surface of triangles in place of a */
+static void mesh_distance(const jo_real *data, const jo_real *r, const jo_real *R, double *y)
+{
+    jo_mesh m;
+    jo_polytope b;
+    jo_mesh_gap found;
+    jo_real radius;
+    jo_polytope_read(jo_mesh_read(data, &m, &radius), &b);
+    jo_polytope_place(&b, r, R);
+    jo_mesh_distance(&m, &b, JO_RE(radius + b.radius), &found);
+    for (int i = 0; i < 3; i++) y[i] = found.normal[i];
+    y[3] = found.gap;
+}
+
 void jo_pair_distance(const jo_real *data, const jo_real *r, const jo_real *R, double *y)
 {
     jo_polytope a, b;
     jo_separated s;
+    if (jo_is_mesh(data)) {
+        mesh_distance(data, r, R, y);
+        return;
+    }
     jo_polytope_read(jo_polytope_read(data, &a), &b);
     jo_polytope_place(&a, 0, 0);
     jo_polytope_place(&b, r, R);

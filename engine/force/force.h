@@ -12,8 +12,9 @@ typedef struct jo_slopes_of_state { jo_real force, decay, value, rate; } jo_slop
 static inline const jo_slopes_of_state *jo_force_slopes(const jo_data *d, int state) { return d->forces.slopes + state; }
 
 /* How a gap may close within a step: gap, m, its rate, m/s, velocity of the point whose distance it is, m/s, the largest curvature of the
- * surfaces of constant distance, 1/m, and the face over which the point is: on the way from one face to another the distance is not smooth. */
-typedef struct jo_approach { double gap, rate, v[3], curvature; int face; } jo_approach;
+ * surfaces of constant distance, 1/m, and the face over which the point is: on the way from one face to another the distance is not smooth.
+ * clear: gap of everything beside this face, m; INFINITY unless a kind sets it. */
+typedef struct jo_approach { double gap, rate, v[3], curvature, clear; int face; } jo_approach;
 
 /* forces that a method treats as an explicit one: none; all; those of slots of contacts, which are not in the matrix of ROS2 */
 enum { JO_EXPLICIT_NONE = 0, JO_EXPLICIT_ALL = 1, JO_EXPLICIT_SLOTS = 2 };

@@ -1,4 +1,5 @@
-/* force_contact_pair.c - two convex polytopes with rounded edges touch: up to 8 points, each with the law and the states of force_contact.c.
+/* force_contact_pair.c - two convex polytopes with rounded edges touch, or the vertices of one a surface of triangles: up to 8 points, each
+ * with the law and the states of force_contact.c.
  *
  * A point is a pair of features: a vertex over a face, two edges, ... (contact/feature.c). The list of points is found at the end of a step
  * (contact/corners.c) and stays within a step, in which force and tangent are smooth functions of the motion. A point that is found again
@@ -6,40 +7,37 @@
  * others at the same place. The law of a point is multiplied by its weight; what a change of the weights takes from the stored energy counts
  * as dissipated. Without points the pair is apart: then its margin is the gap, and a step is proven by the speeds of both.
  *
- * Data: numbers of the law, then those of both polytopes (jo_polytope_read). States of a point: those of contact_point.h, code of the features
- * (0: none), weight. */
+ * On a surface of triangles (contact/mesh_points.c) the feature of a point is the local minimum of the distance to which it descends from the
+ * triangle of the last step; the other points that may close are in the margin, and in the gap that is proven.
+ *
+ * Data: numbers of the law, then those of both polytopes (jo_polytope_read, jo_mesh_read). States of a point: those of contact_point.h, code of
+ * the features (0: none), weight. */
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "contact/contact.h"
-#include "force/contact_point.h"
+#include "force/contact_pair.h"
 
-enum { CODE = JO_CONTACT_STATES, WEIGHT, STATES = JO_PAIR_STATES };
 #define JO_SAME_WEIGHT 1e-9     /* change of a weight that is round-off */
 
-typedef struct {
-    jo_polytope a, b;
-    jo_real r[3], R[9];         /* origin and axes of b, resolved in a */
-    jo_real v[3], w[3];         /* velocity of this origin on a, and angular velocity; 0 at rest */
-} pair;
+typedef jo_contact_pair_pose pair;
 
 /* A point with its law, in motion. */
 typedef struct { jo_contact_law law; jo_feature feature; jo_contact_point y; } point;
 
-static int slots(const jo_force *f) { return f->states / STATES; }
 static jo_real *states(const jo_data *d, const jo_force *f) { return d->w + (d->nw - d->forces.nstate) + f->state; }
-static int is_listed(const jo_real *state) { return JO_RE(state[CODE]) > 0.0; }
-static int touches(const jo_real *state) { return is_listed(state) && jo_contact_phase(state) != JO_CONTACT_APART; }
 
 static int any_listed(const jo_force *f, const jo_real *state)
 {
-    for (int i = 0; i < slots(f); i++)
-        if (is_listed(state + STATES * i)) return 1;
+    for (int i = 0; i < jo_pair_points(f); i++)
+        if (jo_pair_is_listed(state + JO_PAIR_STATES * i)) return 1;
     return 0;
 }
 
 static void read(const jo_data *d, const jo_force *f, pair *p)
 {
-    jo_polytope_read(jo_polytope_read((const jo_real *)(jo_contact_law_of(f) + 1), &p->a), &p->b);
+    const jo_real *data = (const jo_real *)(jo_contact_law_of(f) + 1);
+    p->mesh.triangles = 0;
+    jo_polytope_read(jo_is_mesh(data) ? jo_mesh_read(data, &p->mesh, &p->a.radius) : jo_polytope_read(data, &p->a), &p->b);
     jo_relative_pose(d, f, p->r, p->R);
     for (int i = 0; i < 3; i++) p->v[i] = p->w[i] = jo_same(0.0);
 }
@@ -53,10 +51,15 @@ static void read_motion(const jo_model *m, const jo_data *d, const jo_force *f, 
 /* signed distance, m */
 static double separate(pair *p, const jo_separated *before, jo_separated *s)
 {
-    jo_polytope_place(&p->a, 0, 0);
     jo_polytope_place(&p->b, p->r, p->R);
+    if (p->mesh.triangles) {
+        jo_mesh_gap y;
+        jo_mesh_distance(&p->mesh, &p->b, jo_pair_radii(p), &y);
+        return y.gap;
+    }
+    jo_polytope_place(&p->a, 0, 0);
     jo_separation(&p->a, &p->b, before, s);
-    return s->gap - JO_RE(p->a.radius + p->b.radius);
+    return s->gap - jo_pair_radii(p);
 }
 
 /* place of a point, its motion and its force */
@@ -65,9 +68,10 @@ static void present(const jo_force *f, const pair *p, const jo_real *state, poin
     jo_feature *g = &t->feature;
     jo_contact_point *y = &t->y;
     t->law = *jo_contact_law_of(f);
-    t->law.stiffness *= state[WEIGHT];
-    t->law.viscous *= state[WEIGHT];
-    jo_feature_at(&p->a, &p->b, p->r, p->R, state[CODE], g);
+    t->law.stiffness *= state[JO_PAIR_WEIGHT];
+    t->law.viscous *= state[JO_PAIR_WEIGHT];
+    if (p->mesh.triangles) jo_mesh_point_feature(&p->mesh, &p->b, p->r, p->R, JO_RE(state[JO_PAIR_CODE]), g);
+    else jo_feature_at(&p->a, &p->b, p->r, p->R, state[JO_PAIR_CODE], g);
     y->depth = p->a.radius + p->b.radius - g->gap;
     for (int i = 0; i < 3; i++) {
         y->normal[i] = g->normal[i];
@@ -84,8 +88,8 @@ static jo_real energy(const jo_force *f, const pair *p, const jo_real *state)
 {
     jo_real sum = {0.0};
     point t;
-    for (int i = 0; i < slots(f); i++, state += STATES) {
-        if (!touches(state)) continue;
+    for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES) {
+        if (!jo_pair_touches(state)) continue;
         present(f, p, state, &t);
         sum += jo_contact_energy(&t.law, jo_contact_phase(state), &t.y);
     }
@@ -120,7 +124,7 @@ static jo_contact_change change_of(const pair *p, const point *t, int k)
 static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, int first, const pair *p, const point *t)
 {
     jo_contact_change moves[6];   /* with position and velocity of b */
-    for (int k = 0; k < 6 && !stage->earlier && touches(jo_states(m, d) + first); k++) moves[k] = change_of(p, t, k < 3 ? k : k + 3);
+    for (int k = 0; k < 6 && !stage->earlier && jo_pair_touches(jo_states(m, d) + first); k++) moves[k] = change_of(p, t, k < 3 ? k : k + 3);
     jo_contact_implicit(m, d, stage, f, first, &t->y, moves);
 }
 
@@ -133,17 +137,17 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     point t;
     int any = 0;
     *out = none;
-    for (int i = 0; i < slots(f); i++, state += STATES) {
-        if (!touches(state)) {
-            jo_contact_hold_states(m, d, stage, f->state + STATES * i, STATES);
-            if (stage->contacts) add_implicit(m, d, stage, f, f->state + STATES * i, &p, &t);
+    for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES) {
+        if (!jo_pair_touches(state)) {
+            jo_contact_hold_states(m, d, stage, f->state + JO_PAIR_STATES * i, JO_PAIR_STATES);
+            if (stage->contacts) add_implicit(m, d, stage, f, f->state + JO_PAIR_STATES * i, &p, &t);
             continue;
         }
         if (!any++) read_motion(m, d, f, &p);
         present(f, &p, state, &t);
-        jo_contact_move_states(m, d, stage, &t.law, f->state + STATES * i, &t.y);
-        jo_contact_hold_states(m, d, stage, f->state + STATES * i + CODE, STATES - CODE);
-        if (stage->contacts) add_implicit(m, d, stage, f, f->state + STATES * i, &p, &t);
+        jo_contact_move_states(m, d, stage, &t.law, f->state + JO_PAIR_STATES * i, &t.y);
+        jo_contact_hold_states(m, d, stage, f->state + JO_PAIR_STATES * i + JO_PAIR_CODE, JO_PAIR_STATES - JO_PAIR_CODE);
+        if (stage->contacts) add_implicit(m, d, stage, f, f->state + JO_PAIR_STATES * i, &p, &t);
         if (!(JO_RE(t.y.depth) > 0.0)) continue;
         jo_contact_force(&t.law, jo_contact_phase(state), &t.y, F, &d->power);
         out->stored += jo_contact_energy(&t.law, jo_contact_phase(state), &t.y);
@@ -162,8 +166,8 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
     pair p;
     point t;
     int any = 0;
-    for (int i = 0; i < slots(f); i++, state += STATES) {
-        if (!touches(state)) continue;
+    for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES) {
+        if (!jo_pair_touches(state)) continue;
         if (!any++) read_motion(m, d, f, &p);
         present(f, &p, state, &t);
         if (!(JO_RE(t.y.depth) > 0.0)) continue;
@@ -185,32 +189,32 @@ static void continue_states(const jo_force *f, const pair *p, const jo_corner *c
     const jo_real *from = 0;
     double nearest = INFINITY;
     point t;
-    for (int i = 0; i < slots(f); i++, old += STATES) {
+    for (int i = 0; i < jo_pair_points(f); i++, old += JO_PAIR_STATES) {
         double distance = 0.0;
-        if (is_listed(old) && JO_RE(old[CODE]) == corner->code) {
+        if (jo_pair_is_listed(old) && JO_RE(old[JO_PAIR_CODE]) == corner->code) {
             from = old;
             break;
         }
-        if (!touches(old)) continue;
+        if (!jo_pair_touches(old)) continue;
         present(f, p, old, &t);
         for (int k = 0; k < 3; k++) distance += pow(JO_RE(t.y.lever[k] + p->r[k]) - corner->at[k], 2);
         if (distance >= nearest) continue;
         nearest = distance;
         from = old;
     }
-    for (int k = 0; from && k < STATES; k++) state[k] = from[k];
-    const int same = from && JO_RE(from[CODE]) == corner->code && fabs(JO_RE(from[WEIGHT]) - corner->weight) < JO_SAME_WEIGHT;
-    state[CODE] = jo_same(corner->code);
-    if (!same) state[WEIGHT] = jo_same(corner->weight);
+    for (int k = 0; from && k < JO_PAIR_STATES; k++) state[k] = from[k];
+    const int same = from && JO_RE(from[JO_PAIR_CODE]) == corner->code && fabs(JO_RE(from[JO_PAIR_WEIGHT]) - corner->weight) < JO_SAME_WEIGHT;
+    state[JO_PAIR_CODE] = jo_same(corner->code);
+    if (!same) state[JO_PAIR_WEIGHT] = jo_same(corner->weight);
 }
 
 /* the face of a listed point, from which the search may start */
 static jo_separated face_of(const jo_force *f, const jo_real *state)
 {
     jo_separated y = {JO_CLOSEST_POINTS, {0, 0, 0, 0}, {0, 0}, 0.0, {0.0, 0.0, 0.0}};
-    for (int i = 0; i < slots(f) && y.kind == JO_CLOSEST_POINTS; i++, state += STATES) {
-        if (!is_listed(state)) continue;
-        const jo_feature_pair of = jo_feature_of(JO_RE(state[CODE]));
+    for (int i = 0; i < jo_pair_points(f) && y.kind == JO_CLOSEST_POINTS; i++, state += JO_PAIR_STATES) {
+        if (!jo_pair_is_listed(state)) continue;
+        const jo_feature_pair of = jo_feature_of(JO_RE(state[JO_PAIR_CODE]));
         if (of.kind == JO_FACE_VERTEX) y.kind = JO_FACE_A;
         if (of.kind == JO_VERTEX_FACE) y.kind = JO_FACE_B;
         y.of[0] = of.kind == JO_FACE_VERTEX ? of.a[0] : of.b[0];
@@ -218,23 +222,30 @@ static jo_separated face_of(const jo_force *f, const jo_real *state)
     return y;
 }
 
-/* the points of the present pose with the states that continue those in `state` */
-static void list(const jo_force *f, pair *p, jo_real *state)
+/* points of two polytopes with the states that continue those in `state` */
+static void list_corners(const jo_force *f, pair *p, const jo_real *state, jo_real *next)
 {
     jo_separated s;
     jo_corner corner[JO_CORNERS];
-    jo_real next[JO_CORNERS * STATES] = {0.0};
-    int last = 0;
     const jo_separated before = face_of(f, state);
     const int found = separate(p, before.kind == JO_CLOSEST_POINTS ? 0 : &before, &s) < 0.0 ? jo_corners(&p->a, &p->b, &s, corner) : 0;
-    for (int i = 1; i < slots(f); i++)
-        if (JO_RE(state[STATES * i + JO_CONTACT_SINCE]) > JO_RE(state[STATES * last + JO_CONTACT_SINCE])) last = i;
-    for (int i = 0; i < slots(f); i++) {   /* speed and time of the last touch remain for sensors */
-        const jo_real speed = state[STATES * last + JO_CONTACT_SPEED];
-        next[STATES * i + JO_CONTACT_SPEED] = JO_RE(speed) > 0.0 ? speed : jo_contact_law_of(f)->slowest;
-        next[STATES * i + JO_CONTACT_SINCE] = state[STATES * last + JO_CONTACT_SINCE];
+    for (int i = 0; i < found && i < jo_pair_points(f); i++) continue_states(f, p, corner + i, state, next + JO_PAIR_STATES * i);
+}
+
+/* the points of the present pose with the states that continue those in `state` */
+static void list(const jo_force *f, pair *p, jo_real *state)
+{
+    jo_real next[JO_CORNERS * JO_PAIR_STATES] = {0.0};
+    int last = 0;
+    for (int i = 1; i < jo_pair_points(f); i++)
+        if (JO_RE(state[JO_PAIR_STATES * i + JO_CONTACT_SINCE]) > JO_RE(state[JO_PAIR_STATES * last + JO_CONTACT_SINCE])) last = i;
+    for (int i = 0; i < jo_pair_points(f); i++) {   /* speed and time of the last touch remain for sensors */
+        const jo_real speed = state[JO_PAIR_STATES * last + JO_CONTACT_SPEED];
+        next[JO_PAIR_STATES * i + JO_CONTACT_SPEED] = JO_RE(speed) > 0.0 ? speed : jo_contact_law_of(f)->slowest;
+        next[JO_PAIR_STATES * i + JO_CONTACT_SINCE] = state[JO_PAIR_STATES * last + JO_CONTACT_SINCE];
     }
-    for (int i = 0; i < found && i < slots(f); i++) continue_states(f, p, corner + i, state, next + STATES * i);
+    if (p->mesh.triangles) jo_pair_list_on_mesh(f, p, state, next);
+    else list_corners(f, p, state, next);
     for (int i = 0; i < f->states; i++) state[i] = next[i];
 }
 
@@ -245,8 +256,8 @@ static void start(const jo_model *m, const jo_data *d, const jo_force *f, jo_rea
     for (int i = 0; i < f->states; i++) state[i] = jo_same(0.0);
     read_motion(m, d, f, &p);
     list(f, &p, state);
-    for (int i = 0; i < slots(f); i++, state += STATES) {
-        if (!is_listed(state)) continue;
+    for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES) {
+        if (!jo_pair_is_listed(state)) continue;
         present(f, &p, state, &t);
         jo_contact_start(&t.law, d->time[0], &t.y, state);
     }
@@ -266,9 +277,9 @@ static jo_real update(const jo_model *m, const jo_data *d, const jo_force *f, jo
     read_motion(m, d, f, &p);
     const jo_real before = energy(f, &p, state);
     list(f, &p, state);
-    for (int i = 0; i < slots(f); i++) {
-        jo_real *own = state + STATES * i;
-        if (!is_listed(own)) continue;
+    for (int i = 0; i < jo_pair_points(f); i++) {
+        jo_real *own = state + JO_PAIR_STATES * i;
+        if (!jo_pair_is_listed(own)) continue;
         present(f, &p, own, &t);
         jo_contact_update(&t.law, d->time[0], &t.y, own);
     }
@@ -287,11 +298,15 @@ static jo_real margin(const jo_model *m, const jo_data *d, const jo_force *f)
     jo_real least = {INFINITY};
     point t;
     read_motion(m, d, f, &p);
-    for (int i = 0; i < slots(f); i++, state += STATES) {
-        if (!is_listed(state)) continue;
+    for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES) {
+        if (!jo_pair_is_listed(state)) continue;
         present(f, &p, state, &t);
         const jo_real x = jo_contact_margin(&t.law, state, &t.y);
         if (JO_RE(x) < JO_RE(least)) least = x;
+    }
+    if (p.mesh.triangles) {
+        const double further = jo_pair_further_gap(f, &p, states(d, f));
+        if (further < JO_RE(least)) least = jo_same(further);
     }
     return least;
 }
@@ -303,8 +318,8 @@ static double longest_step(const jo_model *m, const jo_data *d, const jo_force *
     pair p;
     point t;
     if (explicit_method && any_listed(f, state)) read_motion(m, d, f, &p);
-    for (int i = 0; i < slots(f); i++, state += STATES) {
-        if (!touches(state)) continue;
+    for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES) {
+        if (!jo_pair_touches(state)) continue;
         if (explicit_method) present(f, &p, state, &t);
         longest = fmin(longest, jo_contact_longest_step(jo_contact_law_of(f), state, d->time[0], explicit_method ? &t.y : 0));
     }
@@ -315,33 +330,17 @@ static int ease(const jo_model *m, const jo_data *d, const jo_force *f, jo_real 
 {
     (void)m; (void)d;
     int changed = 0;
-    for (int i = 0; i < slots(f); i++, state += STATES)
-        if (is_listed(state)) changed |= jo_contact_ease(state);
+    for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES)
+        if (jo_pair_is_listed(state)) changed |= jo_contact_ease(state);
     return changed;
 }
 
-/* largest distance of a vertex from the origin of a polytope, m */
-static double reach_of(const jo_polytope *p)
-{
-    double most = 0.0;
-    for (int i = 0; i < p->vertices; i++) most = fmax(most, jo_length(p->vertex + 3 * i, 3));
-    return most;
-}
-
-/* Points of b move on a with at most |v| + |w| reach. Over a face of a, with its normal n, the gap shrinks at most with -n . v + |w| reach. */
 static void approach_apart(pair *p, jo_approach *to)
 {
     jo_separated s;
     to->gap = separate(p, 0, &s);
-    const double turning = jo_length(p->w, 3) * reach_of(&p->b), speed = jo_length(p->v, 3), share = speed > 0.0 ? 1.0 + turning / speed : 0.0;
-    to->rate = -turning;
-    for (int i = 0; i < 3; i++) {
-        to->rate += s.normal[i] * JO_RE(p->v[i]);
-        to->v[i] = share * JO_RE(p->v[i]);
-    }
-    if (!(speed > 0.0)) to->v[0] = turning;
     to->face = s.kind == JO_FACE_A ? 1 + s.of[0] : 0;
-    to->curvature = to->face ? 0.0 : INFINITY;
+    jo_pair_approach_along(p, s.normal, to);
 }
 
 /* of the nearest point of the list that does not touch, on its face */
@@ -351,13 +350,14 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
     pair p;
     point t;
     read_motion(m, d, f, &p);
+    if (p.mesh.triangles) return jo_pair_approach_mesh(f, &p, state, to);
     if (!any_listed(f, state)) {
         approach_apart(&p, to);
         return 1;
     }
     to->gap = INFINITY;
-    for (int i = 0; i < slots(f); i++, state += STATES) {
-        if (!is_listed(state) || touches(state)) continue;
+    for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES) {
+        if (!jo_pair_is_listed(state) || jo_pair_touches(state)) continue;
         present(f, &p, state, &t);
         if (-JO_RE(t.y.depth) >= to->gap) continue;
         to->gap = -JO_RE(t.y.depth);
@@ -372,8 +372,8 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
 /* a bristle that breaks changes mu_static to mu_kinetic; so do points that come and go */
 static int jumps(const jo_force *f, const jo_real *before, const jo_real *after)
 {
-    for (int i = 0; i < slots(f); i++, before += STATES, after += STATES) {
-        if (JO_RE(before[CODE]) != JO_RE(after[CODE]) || JO_RE(before[WEIGHT]) != JO_RE(after[WEIGHT])) return 1;
+    for (int i = 0; i < jo_pair_points(f); i++, before += JO_PAIR_STATES, after += JO_PAIR_STATES) {
+        if (JO_RE(before[JO_PAIR_CODE]) != JO_RE(after[JO_PAIR_CODE]) || JO_RE(before[JO_PAIR_WEIGHT]) != JO_RE(after[JO_PAIR_WEIGHT])) return 1;
         if (jo_contact_phase(before) != jo_contact_phase(after)) return 1;
     }
     return 0;

@@ -33,6 +33,7 @@ int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, jo_approach
 {
     const jo_force *f = &m->force[d->forces.yielding[k]];
     const jo_yielding *kind = jo_yielding_of(f);
+    y->clear = INFINITY;
     return kind->approach && !jo_released(d, f->release) ? kind->approach(m, d, f, y) : 0;
 }
 

@@ -18,14 +18,15 @@ static double speed_of(const jo_approach *x) { return sqrt(x->v[0] * x->v[0] + x
 /* Whether a gap that is open at the ends a and b of a step of length h may have been closed between them: it would have to shrink to 0 and
  * to open again. Its rate is n . v: at most the speed of the point, and at most the rates at the ends plus what acceleration and
  * curvature change; speeds between the ends exceed those at the ends by at most half of their difference. A gap that shrinks all
- * the time has not opened again. */
+ * the time has not opened again. The rate is that over one face only as long as nothing beside it can come near. */
 static int may_have_closed(const jo_approach *a, const jo_approach *b, double h)
 {
     double change = 0.0;
     for (int i = 0; i < 3; i++) change += (b->v[i] - a->v[i]) * (b->v[i] - a->v[i]);
     change = sqrt(change);
     const double speed = fmax(speed_of(a), speed_of(b)) + 0.5 * change;
-    const double curved = a->face == b->face ? fmax(a->curvature, b->curvature) : INFINITY, bent = curved > 0.0 ? speed * speed * curved * h : 0.0;
+    const int alone = a->face == b->face && a->clear + b->clear > h * speed;
+    const double curved = alone ? fmax(a->curvature, b->curvature) : INFINITY, bent = curved > 0.0 ? speed * speed * curved * h : 0.0;
     const double varies = 0.5 * change + bent;
     if (fmax(a->rate, b->rate) + varies < 0.0) return 0;
     return !(a->gap + b->gap > h * fmin(speed, fmax(0.0, fmax(-a->rate, -b->rate)) + varies));

@@ -26,6 +26,7 @@ from .contacts.shapes import (
     Sphere as Sphere,
     Torus as Torus,
 )
+from .contacts.surfaces import HeightField as HeightField, TriangleMesh as TriangleMesh
 from .elastic_joint import ElasticJoint as ElasticJoint
 from .event import Event as Event
 from .forces.contact import Contact as Contact

@@ -53,7 +53,8 @@ def _meshio(where: str, path: Path) -> Array:
     import meshio  # slow to import and rarely needed
 
     try:
-        mesh = meshio.read(path)
+        with np.errstate(all="ignore"):  # the kind of an STL file is found by numbers in it
+            mesh = meshio.read(path)
     except (Exception, SystemExit):
         # an OBJ file may have more or fewer normals and texture coordinates than points
         if path.suffix.lower() != ".obj":

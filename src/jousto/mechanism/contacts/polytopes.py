@@ -127,6 +127,17 @@ def hull(points: Array, radius: float = 0.0) -> Polytope:
     return Polytope(points[kept], tuple(faces), radius)
 
 
+def too_fine(found: Polytope) -> str:
+    """Return that a hull has more vertices, faces or corners than the engine takes; else ""."""
+    finest = max((len(face) for face in found.faces), default=0)
+    if max(len(found.vertices), len(found.faces)) <= MOST_VERTICES and finest <= MOST_CORNERS:
+        return ""
+    return (
+        f"the hull has {len(found.vertices)} vertices, {len(found.faces)} faces and up to {finest} "
+        f"corners a face; at most {MOST_VERTICES}, {MOST_VERTICES} and {MOST_CORNERS} are possible"
+    )
+
+
 def _planes(found: Any) -> NDArray[np.int_]:
     """Return the number of the face of each triangle of a hull."""
     n = found.equations[:, :3]

@@ -19,12 +19,12 @@ from jousto.base.numbers import Number, Values
 from jousto.base.object_repr import described
 from jousto.mechanism.bodies.shapes import Lengths, box, cylinder, revolved, sphere
 from jousto.mechanism.contacts.polytopes import (
-    MOST_CORNERS,
-    MOST_VERTICES,
     Polytope,
     half_space,
     hull,
+    too_fine,
 )
+from jousto.mechanism.contacts.triangles import Triangles
 
 FLAT = 2.0
 """Half the side of the square that shows a half-space, m."""
@@ -80,6 +80,11 @@ class Shape(Declared, section="contact shapes", by_value=True):
     @property
     def polytope(self) -> Polytope | None:
         """The shape as a polytope with rounded edges; None if it is none."""
+        return None
+
+    @property
+    def mesh(self) -> Triangles | None:
+        """The shape as a surface of triangles; None if it is none."""
         return None
 
     @property
@@ -329,15 +334,8 @@ class ConvexHull(Shape, tag="convex-hull"):
         except ValueError as error:
             problems.add(where, f"points: {error}", "points")
             return
-        finest = max(len(face) for face in found.faces)
-        if max(len(found.vertices), len(found.faces)) > MOST_VERTICES or finest > MOST_CORNERS:
-            problems.add(
-                where,
-                f"the hull has {len(found.vertices)} vertices, {len(found.faces)} faces and up to "
-                f"{finest} corners a face; at most {MOST_VERTICES}, {MOST_VERTICES} and "
-                f"{MOST_CORNERS} are possible: take fewer points",
-                "points",
-            )
+        if fault := too_fine(found):
+            problems.add(where, f"{fault}: take fewer points", "points")
 
     @property
     def size(self) -> tuple[float, ...]:

@@ -12,6 +12,7 @@ from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.contacts.effective_mass import mobility
 from jousto.mechanism.contacts.friction import default_static
 from jousto.mechanism.contacts.laws import ContactLawField, Hertz
+from jousto.mechanism.contacts.pairing import POINTS, check_pair, most_points, paired
 from jousto.mechanism.contacts.shapes import Shape, ShapeField, Tip, touching
 from jousto.mechanism.forces.base import ForceElement, Push
 from jousto.mechanism.forces.law import EngineLaw
@@ -31,9 +32,6 @@ SHEAR = 0.8235294117647058
 
 POINT_STATES = STATES | {"features": "1", "weight": "1"}
 """States of a point of two polytopes: also which features touch, and its share of the stiffness."""
-POINTS = 8
-"""Most points at which two polytopes touch (``JO_CORNERS``)."""
-
 LAW_NUMBERS = (
     *("stiffness", "exponent", "damping", "slowest", "viscous", "full"),
     *("shear", "mass", "duration"),
@@ -73,10 +71,10 @@ class Contact(ForceElement, tag="contact"):
     """Two shapes touch: a normal force with restitution, and friction that sticks without creep.
 
     Shapes are fixed to markers of any bodies. A sphere (or a point) touches every shape; cuboids,
-    hulls and capsules touch each other and half-spaces; tips of a capsule or cuboid touch hollow
-    shapes, and the rim of a torus a half-space. The depth d of the overlap gives the normal force
-    by the law. Both bodies receive it at one common point, in the middle of the overlap, so that
-    momentum is kept exactly.
+    hulls and capsules touch each other and half-spaces, and surfaces of triangles by their corners;
+    tips of a capsule or cuboid touch hollow shapes, and the rim of a torus a half-space. The depth
+    d of the overlap gives the normal force by the law. Both bodies receive it at one common point,
+    in the middle of the overlap, so that momentum is kept exactly.
 
     Two faces touch at the corners of the area that they share, up to 8. Each has the law, times a
     weight: 1 at each of four corners of a whole rectangular face; the sum of the weights follows
@@ -142,15 +140,17 @@ class Contact(ForceElement, tag="contact"):
         """Report pairs that are not available, and laws that do not fit them."""
         if self.a.body is self.b.body:
             problems.add(where, f"a and b are both on {self.a.body.name!r}; take two bodies", "b")
-        if self._tips is None and not self._convex:
+        if self._tips is None and not self._paired:
             problems.add(
                 where,
                 f"{self.shape_a.tag} and {self.shape_b.tag} cannot touch in this version: a sphere "
-                "touches every shape; cuboid, capsule and convex-hull touch each other and "
-                "half-spaces; cuboid and capsule touch hollow spheres and bores, a torus "
-                "half-spaces",
+                "touches every shape; cuboid, capsule and convex-hull touch each other, "
+                "half-spaces and, by their vertices, triangle-mesh and height-field; cuboid and "
+                "capsule touch hollow spheres and bores, a torus half-spaces",
                 "shape_b",
             )
+        elif self._tips is None:
+            check_pair(problems, where, self._sides[1], self._sides[3])
         curvature = self._curvature
         if isinstance(self.law, Hertz) and (curvature is None or curvature <= 0.0):
             problems.add(
@@ -165,17 +165,17 @@ class Contact(ForceElement, tag="contact"):
             )
 
     @property
-    def _convex(self) -> bool:
-        """Whether both are polytopes, and at most one a half-space."""
-        shapes = (self.shape_a, self.shape_b)
-        return all(one.polytope for one in shapes) and not all(one.hollow for one in shapes)
+    def _paired(self) -> bool:
+        """Whether both touch at several points."""
+        return paired(self.shape_a, self.shape_b) or paired(self.shape_b, self.shape_a)
 
     @property
     def _swapped(self) -> bool:
-        """Whether the tips belong to a, or b is the half-space of a pair of polytopes."""
-        if touching(self.shape_a, self.shape_b) is not None:
+        """Whether the tips belong to a, or b is the half-space or the surface of a pair."""
+        first, second = self.shape_a, self.shape_b
+        if touching(first, second) is not None or paired(first, second):
             return False
-        return self.shape_b.hollow or touching(self.shape_b, self.shape_a) is not None
+        return paired(second, first) or touching(second, first) is not None
 
     @property
     def _sides(self) -> tuple[Marker, Shape, Marker, Shape]:
@@ -244,18 +244,14 @@ class Contact(ForceElement, tag="contact"):
     @property
     def _pair(self) -> Push:
         a, on, b, of = self._sides
-        assert on.polytope is not None and of.polytope is not None
-        points = [
-            POINTS if one.polytope.faces else len(one.polytope.vertices)  # type: ignore[union-attr]
-            for one in (on, of)
-        ]
+        assert of.polytope is not None
         return Push(
             "contact pair",
             self._numbers(_reach(of)),
-            rest=(on.polytope.numbers, of.polytope.numbers),
+            rest=((on.mesh or on.polytope).numbers, of.polytope.numbers),  # type: ignore[union-attr]
             a=a,
             b=b,
-            states=tuple(_point_states(min(points))),
+            states=tuple(_point_states(most_points(on, of))),
         )
 
 

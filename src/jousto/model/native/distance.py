@@ -25,7 +25,8 @@ def shape_distance(
     Parameters
     ----------
     shape_a, shape_b : Shape
-        Sphere, capsule, cuboid or convex hull; `shape_a` may be a half-space.
+        Sphere, capsule, cuboid or convex hull; `shape_a` may be a half-space, a triangle mesh or a
+        height field, from which the spheres or corners of `shape_b` have their distance.
     position : (3,) array_like
         Position of the frame of b in the frame of a, m.
     rotation : (3, 3) array_like
@@ -41,7 +42,8 @@ def shape_distance(
     problems = Problems()
     r = problems.array("distance", "position", position, (3,))
     R = problems.array("distance", "rotation", rotation, (3, 3))
-    a, b = shape_a.polytope, shape_b.polytope
+    a = shape_a.mesh or shape_a.polytope
+    b = None if shape_b.mesh else shape_b.polytope
     for key, shape, found in (("shape_a", shape_a, a), ("shape_b", shape_b, b)):
         if found is None or (key == "shape_b" and shape.hollow):
             problems.add(

@@ -1,0 +1,75 @@
+/* contact_mesh.c - points at which the vertices of a polytope touch a surface of triangles, with their states. */
+#include "contact/contact.h"
+#include "force/contact_pair.h"
+
+/* codes of the points that touch, and their indices; returns their number */
+static int touching_codes(const jo_force *f, const jo_real *state, double *code, int *of)
+{
+    int n = 0;
+    for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES) {
+        if (!jo_pair_touches(state)) continue;
+        of[n] = i;
+        code[n++] = JO_RE(state[JO_PAIR_CODE]);
+    }
+    return n;
+}
+
+void jo_pair_list_on_mesh(const jo_force *f, jo_contact_pair_pose *p, const jo_real *state, jo_real *next)
+{
+    double code[JO_MESH_POINTS], found[JO_MESH_POINTS];
+    int of[JO_MESH_POINTS], from[JO_MESH_POINTS];
+    const int count = touching_codes(f, state, code, of);
+    jo_polytope_place(&p->b, p->r, p->R);
+    const int n = jo_mesh_points(&p->mesh, &p->b, jo_pair_radii(p), code, count, found, from);
+    for (int i = 0; i < n && i < jo_pair_points(f); i++, next += JO_PAIR_STATES) {
+        for (int k = 0; from[i] >= 0 && k < JO_PAIR_STATES; k++) next[k] = state[JO_PAIR_STATES * of[from[i]] + k];
+        next[JO_PAIR_CODE] = jo_same(found[i]);
+        next[JO_PAIR_WEIGHT] = jo_same(1.0);
+    }
+}
+
+double jo_pair_further_gap(const jo_force *f, jo_contact_pair_pose *p, const jo_real *state)
+{
+    double code[JO_MESH_POINTS];
+    int of[JO_MESH_POINTS];
+    const int count = touching_codes(f, state, code, of);
+    jo_polytope_place(&p->b, p->r, p->R);
+    return jo_mesh_unlisted(&p->mesh, &p->b, jo_pair_radii(p), code, count);
+}
+
+/* largest distance of a vertex from the origin of a polytope, m */
+static double reach_of(const jo_polytope *p)
+{
+    double most = 0.0;
+    for (int i = 0; i < p->vertices; i++) most = fmax(most, jo_length(p->vertex + 3 * i, 3));
+    return most;
+}
+
+void jo_pair_approach_along(const jo_contact_pair_pose *p, const double *n, jo_approach *to)
+{
+    const double turning = jo_length(p->w, 3) * reach_of(&p->b), speed = jo_length(p->v, 3), share = speed > 0.0 ? 1.0 + turning / speed : 0.0;
+    to->rate = -turning;
+    for (int i = 0; i < 3; i++) {
+        to->rate += n[i] * JO_RE(p->v[i]);
+        to->v[i] = share * JO_RE(p->v[i]);
+    }
+    if (!(speed > 0.0)) to->v[0] = turning;
+    to->curvature = to->face ? 0.0 : INFINITY;
+}
+
+int jo_pair_approach_mesh(const jo_force *f, jo_contact_pair_pose *p, const jo_real *state, jo_approach *to)
+{
+    double code[JO_MESH_POINTS];
+    int of[JO_MESH_POINTS];
+    jo_mesh_gap y;
+    jo_polytope_place(&p->b, p->r, p->R);
+    const int count = touching_codes(f, state, code, of);
+    jo_mesh_clearance(&p->mesh, &p->b, jo_pair_radii(p), code, count, &y);
+    if (!(y.gap < INFINITY) || (count && !(y.gap > 0.0))) return 0;   /* it touches, or the next place overlaps already */
+    to->gap = y.gap;
+    to->clear = y.clear;
+    to->face = y.part;
+    jo_pair_approach_along(p, y.normal, to);
+    to->curvature = y.curvature;
+    return 1;
+}
