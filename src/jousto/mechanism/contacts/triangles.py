@@ -102,7 +102,7 @@ class Triangles:
             ]
         if not np.isfinite(self.vertices).all():
             wrong = ~np.isfinite(self.vertices[self.corners]).all(axis=(1, 2))
-            return [f"{_some(wrong)} corners that are not finite"]
+            return [f"{_some(np.asarray(wrong))} corners that are not finite"]
         return [*self._bad_triangles(), *self._bad_edges()]
 
     def _bad_triangles(self) -> list[str]:
@@ -124,9 +124,10 @@ class Triangles:
         found = []
         beyond, times = self.edges
         if (times > 2).any():
+            several = np.asarray((times > 2).any(axis=1))
             found.append(
-                f"{_some((times > 2).any(axis=1))} an edge with more than two triangles; split "
-                "the surface there into several shapes"
+                f"{_some(several)} an edge with more than two triangles; split the surface there "
+                "into several shapes"
             )
         row, i = np.nonzero(beyond >= 0)
         here = np.stack([self.corners[row, i], self.corners[row, (i + 1) % 3]], axis=1)
