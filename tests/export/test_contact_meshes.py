@@ -25,9 +25,7 @@ def test_a_program_follows_the_triangles(tmp_path: Path) -> None:
     ball = jo.RigidBody.sphere("b", radius=r, mass=1.0, position=(0, 0, 0.2), velocity=(1, 0.3, 0))
     hills = HeightField(0.05 * np.random.default_rng(1).uniform(size=(9, 9)), 2.0, 2.0)
     law = PowerLaw(1e6, restitution=0.7)
-    touch = Contact(
-        "c", jo.ground["origin"], hills, ball["origin"], Sphere(r), law, mu_kinetic=0.3
-    )
+    touch = Contact("c", jo.ground["origin"], hills, ball["origin"], Sphere(r), law, mu_kinetic=0.3)
     place = jo.PositionSensor("p", ball["origin"])
     model = jo.compile(jo.Mechanism(ball, touch, jo.Gravity((0, 0, -9.81)), place))
     solver = jo.RK4(step=STEP)
