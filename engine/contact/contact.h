@@ -15,7 +15,8 @@ typedef enum {
     JO_SHAPE_BOX = 4,           /* half the lengths along x, y, z */
     JO_SHAPE_CYLINDER = 5,      /* radius, half the length */
     JO_SHAPE_BORE = 6,          /* radius of an endless hole */
-    JO_SHAPE_TORUS = 7          /* radius of the circle of centres, radius of the tube */
+    JO_SHAPE_TORUS = 7,         /* radius of the circle of centres, radius of the tube */
+    JO_SHAPE_ELLIPSOID = 8      /* half the lengths along x, y, z */
 } jo_shape_type;
 
 /* Signed distance of a point outside of a shape (inside: negative), m; its gradient, the outward normal; its second derivatives, 1/m. */

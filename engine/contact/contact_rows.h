@@ -4,7 +4,7 @@
 
 #include "contact/contact.h"
 
-enum { JO_SHAPE_TYPES = 8 };    /* types of jo_shape_type */
+enum { JO_SHAPE_TYPES = 9 };    /* types of jo_shape_type */
 
 /* Rows after the numbers of a set. Markers, types and other whole numbers are stored as numbers.
  * reach: distance from the marker to the farthest place, m, < 0 for a shape without end; curvature, 1/m, and largest inverse mass, 1/kg, of a

@@ -5,6 +5,8 @@
  */
 #include "contact/contact.h"
 
+enum { JO_ELLIPSOID_STEPS = 60 };   /* of Newton's method; some 6 outside, one more for each halving of the distance from a centre of curvature */
+
 /* hessian += factor u u^T */
 static void add_product(jo_distance *y, jo_real factor, const jo_real *u)
 {
@@ -122,6 +124,78 @@ static void box(jo_distance *y, const jo_real *x, const jo_real *half)
         if (JO_RE(e[i]) > 0.0) y->hessian[4 * i] += 1.0 / y->gap;
 }
 
+/* sum (a_i x_i / (a_i^2 + t))^2 - 1 and its derivative with respect to t */
+static jo_real ellipsoid_excess(const jo_real *x, const jo_real *a, jo_real t, jo_real *slope)
+{
+    jo_real sum = jo_same(-1.0);
+    *slope = jo_same(0.0);
+    for (int i = 0; i < 3; i++) {
+        const jo_real k = a[i] * a[i] + t, e = a[i] * x[i] / k;
+        if (JO_RE(x[i]) == 0.0) continue;
+        sum += e * e;
+        *slope -= 2.0 * e * e / k;
+    }
+    return sum;
+}
+
+/* in the plane across the shortest axis, beyond the centres of curvature: y_i = a_i^2 x_i / (a_i^2 - a_least^2), and above or below this plane */
+static void ellipsoid_inside(jo_distance *y, const jo_real *x, const jo_real *a, int least)
+{
+    jo_real left = jo_same(1.0), square = jo_same(0.0);
+    for (int i = 0; i < 3; i++) {
+        if (i == least || JO_RE(x[i]) == 0.0) continue;
+        const jo_real k = a[i] * a[i] - a[least] * a[least], share = a[i] * x[i] / k;
+        y->normal[i] = a[least] * a[least] * x[i] / k;   /* y - x */
+        left -= share * share;
+    }
+    y->normal[least] = a[least] * (JO_RE(left) > 0.0 ? jo_sqrt(left) : jo_same(0.0));
+    for (int i = 0; i < 3; i++) square += y->normal[i] * y->normal[i];
+    y->gap = -jo_sqrt(square);
+    for (int i = 0; i < 3; i++) y->normal[i] /= -y->gap;
+}
+
+/* The closest point is y_i = a_i^2 x_i / (a_i^2 + t), x - y = t g with the gradient g_i = y_i / a_i^2 (Eberly, Distance from a point to an
+ * ellipse, an ellipsoid, 2013). The excess falls and is convex in t: Newton's method ascends from where one of its parts is 1. Its last step is
+ * in jo_real, so that derivatives are exact. Inside, beyond the centres of curvature, the shortest axis is the direction. */
+static void ellipsoid(jo_distance *y, const jo_real *x, const jo_real *a)
+{
+    int least = 0;
+    for (int i = 1; i < 3; i++)
+        if (JO_RE(a[i]) < JO_RE(a[least])) least = i;
+    const double lowest = -JO_RE(a[least] * a[least]);
+    jo_real t = {lowest}, slope, g[3], square = jo_same(0.0), weight = jo_same(0.0), along[3];
+    for (int i = 0; i < 3; i++) {
+        const double start = JO_RE(a[i]) * (fabs(JO_RE(x[i])) - JO_RE(a[i]));
+        if (start > JO_RE(t)) t = jo_same(start);
+    }
+    if (!(JO_RE(t) > lowest)) {
+        ellipsoid_inside(y, x, a, least);
+        return;
+    }
+    for (int k = 0; k < JO_ELLIPSOID_STEPS; k++) {
+        const jo_real excess = ellipsoid_excess(x, a, t, &slope), next = t - excess / slope;
+        const int still = !(JO_RE(next) > JO_RE(t));
+        t = next;
+        if (still) break;
+    }
+    for (int i = 0; i < 3; i++) {
+        g[i] = x[i] / (a[i] * a[i] + t);
+        square += g[i] * g[i];
+        along[i] = a[i] * a[i] * g[i] / (a[i] * a[i] + t);
+        weight += along[i] * g[i];
+    }
+    const jo_real size = jo_sqrt(square);
+    y->gap = t * size;
+    for (int i = 0; i < 3; i++) y->normal[i] = g[i] / size;
+    /* dg = (dx - g dt) / (a^2 + t), with dt = along . dx / weight; the part along the normal falls out */
+    for (int j = 0; j < 3; j++) {
+        jo_real dg[3];
+        for (int i = 0; i < 3; i++) dg[i] = ((i == j) - g[i] * along[j] / weight) / (a[i] * a[i] + t);
+        const jo_real out = jo_dot3(y->normal, dg);
+        for (int i = 0; i < 3; i++) y->hessian[3 * i + j] = (dg[i] - out * y->normal[i]) / size;
+    }
+}
+
 void jo_shape_distance(int shape, const jo_real *size, const jo_real *x, jo_distance *y)
 {
     static const jo_distance none;
@@ -133,6 +207,7 @@ void jo_shape_distance(int shape, const jo_real *size, const jo_real *x, jo_dist
     case JO_SHAPE_BOX: box(y, x, size); break;
     case JO_SHAPE_CYLINDER: cylinder(y, x, size[0], size[1]); break;
     case JO_SHAPE_BORE: bore(y, x, size[0]); break;
+    case JO_SHAPE_ELLIPSOID: ellipsoid(y, x, size); break;
     case JO_SHAPE_TORUS: torus(y, x, size[0], size[1]); break;
     default:   /* half-space */
         y->gap = x[2];

@@ -82,6 +82,10 @@ static double curvature_over(const jo_contact_data *x, const jo_real *normal, in
     const int shape = (int)JO_COMMON(x->shape);
     *face = 0;
     if (shape == JO_SHAPE_HALF_SPACE) return JO_RE(x->ring) > 0.0 ? INFINITY : 0.0;
+    if (shape == JO_SHAPE_ELLIPSOID) {   /* of the end of its longest axis, across the shortest */
+        const double p = JO_RE(x->size[1]), q = JO_RE(x->size[2]), least = fmin(r, fmin(p, q));
+        return fmax(r, fmax(p, q)) / (least * least);
+    }
     if (shape == JO_SHAPE_TORUS) return 1.0 / JO_RE(x->size[1]);
     if (shape != JO_SHAPE_BOX && shape != JO_SHAPE_CYLINDER) return 1.0 / r;
     for (int i = shape == JO_SHAPE_BOX ? 0 : 2; i < 3; i++)

@@ -14,6 +14,7 @@ from jousto.mechanism import (
     Contact,
     Cuboid,
     Cylinder,
+    Ellipsoid,
     HalfSpace,
     Hertz,
     HollowSphere,
@@ -37,6 +38,7 @@ PAIRS = [
     (Cylinder(0.2, 0.5), Sphere(0.1)),
     (Bore(0.3), Sphere(0.1)),
     (Torus(0.3, 0.1), Sphere(0.1)),
+    (Ellipsoid((0.3, 0.5, 0.8)), Sphere(0.1)),
     (HalfSpace(), Torus(0.3, 0.1)),
     (HalfSpace(), Cuboid((0.3, 0.4, 0.5))),
     (HalfSpace(), Capsule(0.1, 0.4)),
@@ -177,6 +179,37 @@ def test_tangent_is_the_derivative(pair, mu):
             assert np.abs(M - N).max() <= 1e-12 * np.abs(M).max()
         found += 1
     assert found > 5
+
+
+def ellipsoid_distance(x: Any, a: Any) -> tuple[float, Any]:
+    """Signed distance and normal by bisection with long numbers."""
+    x, a = np.abs(np.asarray(x, dtype=np.longdouble)), np.asarray(a, dtype=np.longdouble)
+    low = (a * (x - a)).max()
+    high = np.linalg.norm(a * x) + 1
+    for _ in range(200):
+        t = (low + high) / 2
+        low, high = (t, high) if (((a * x) / (t + a * a)) ** 2).sum() > 1 else (low, t)
+    g = x / (a * a + low)
+    return float(low * np.linalg.norm(g)), np.asarray(g / np.linalg.norm(g), dtype=float)
+
+
+@pytest.mark.parametrize("lengths", [(0.3, 0.5, 0.8), (0.8, 0.3, 0.3), (0.01, 1.0, 1.0), (1, 1, 1)])
+def test_distance_from_an_ellipsoid(lengths):
+    """Depth and normal of spheres anywhere, inside too, by the force of a linear law: 1e-14."""
+    rng = np.random.default_rng(4)
+    half = 0.5 * np.array(lengths)
+    for _ in range(50):
+        u = rng.normal(size=3)
+        place = half * u / np.linalg.norm(u) * rng.uniform(0.6, 1.3)
+        gap, normal = ellipsoid_distance(place, half)
+        r = max(gap, 0.0) + 0.1
+        body = jo.RigidBody("b", 1.0, (1, 1, 1), position=place)
+        law = PowerLaw(1.0, 1.0, restitution=1.0)
+        items = (jo.ground["origin"], Ellipsoid(lengths), body["origin"], Sphere(r))
+        engine = jo.model.Engine(jo.compile(jo.Mechanism(body, Contact("c", *items, law))))
+        force = np.array(engine.accelerations()[0])[:3]
+        assert np.linalg.norm(force) == pytest.approx(r - gap, abs=1e-14)
+        assert np.abs(force / (r - gap) - normal * np.sign(place)).max() < 1e-13
 
 
 # -- friction -------------------------------------------------------------------------------------

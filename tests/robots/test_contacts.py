@@ -122,7 +122,7 @@ def test_larger_friction_of_both(tmp_path):
     [
         ('condim="6"', "condim of the file are not read"),
         ('margin="0.01" solref="0.02 1"', "margin, solref of the file are not read"),
-        ('type="ellipsoid"', "kinds touch nothing: ellipsoid"),
+        ('type="ellipsoid"', "pass through each other: ellipsoid - ellipsoid"),
     ],
 )
 def test_what_is_not_read_is_said(tmp_path, words, said):

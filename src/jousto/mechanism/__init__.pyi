@@ -9,6 +9,7 @@ from .contacts.collision import (
     Surface as Surface,
     SurfacePair as SurfacePair,
 )
+from .contacts.ellipsoid import Ellipsoid as Ellipsoid
 from .contacts.laws import (
     Hertz as Hertz,
     Impact as Impact,

@@ -11,10 +11,11 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.mechanism.contacts.collision import Apart, CollisionShape
 from jousto.mechanism.contacts.effective_mass import mobility
+from jousto.mechanism.contacts.ellipsoid import Ellipsoid
 from jousto.mechanism.contacts.laws import ContactLaw, Hertz
 from jousto.mechanism.contacts.shapes import Capsule, Cuboid, Shape, Tip, Torus, reach, touching
 
-KINDS = 8
+KINDS = 9
 """Number of types of shapes in ``jo_shape_type`` of the engine."""
 NEITHER, SECOND, FIRST = 0, 1, 2
 """Which shape of a pair has the tips that touch the other one."""
@@ -48,6 +49,9 @@ def curvatures(shape: Shape) -> tuple[float, float]:
     if isinstance(shape, Torus):
         mean = 0.5 / (shape.tube or shape.radius) + 0.5 / (shape.radius + shape.tube)
         return mean, mean
+    if isinstance(shape, Ellipsoid):  # of the sphere of equal volume
+        a, b, c = shape.size
+        return (a * b * c) ** (-1.0 / 3.0), 0.0
     (radius, *_) = shape.size or (0.0,)
     if not radius:
         return 0.0, 0.0

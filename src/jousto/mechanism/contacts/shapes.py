@@ -83,6 +83,11 @@ class Shape(Declared, section="contact shapes", by_value=True):
         return None
 
     @property
+    def reach(self) -> float:
+        """Distance from the marker to the farthest place, m; -1 for kinds that `reach` knows."""
+        return -1.0
+
+    @property
     def mesh(self) -> Triangles | None:
         """The shape as a surface of triangles; None if it is none."""
         return None
@@ -379,7 +384,7 @@ def reach(shape: Shape) -> float:
         return float(hypot(*shape.size))
     if isinstance(shape, Sphere | Capsule | Torus):
         return float(sum(shape.size))
-    return -1.0
+    return shape.reach
 
 
 def touching(on: Shape, of: Shape) -> Sequence[Tip] | None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from jousto.base.arrays import Array
+from jousto.mechanism.contacts.ellipsoid import Ellipsoid
 from jousto.mechanism.contacts.shapes import Capsule, Cuboid, Cylinder, HalfSpace, Shape, Sphere
 
-KINDS = {"plane", "sphere", "capsule", "cylinder", "box"}
+KINDS = {"plane", "sphere", "capsule", "cylinder", "box", "ellipsoid"}
 """Kinds of shapes that can touch."""
 
 
@@ -15,9 +16,9 @@ def shape_of(kind: str, sizes: Array) -> Shape | None:
     Parameters
     ----------
     kind : str
-        "plane", "sphere", "capsule", "cylinder", "box", or a kind that cannot touch.
+        "plane", "sphere", "capsule", "cylinder", "box", "ellipsoid", or a kind that cannot touch.
     sizes : (n,) array
-        Radius, radius and length, or lengths, m.
+        Radius, radius and length, lengths, or half axes, m.
     """
     if kind == "plane":
         return HalfSpace()
@@ -29,4 +30,6 @@ def shape_of(kind: str, sizes: Array) -> Shape | None:
         return Capsule(float(sizes[0]), float(sizes[1]))
     if kind == "cylinder":
         return Cylinder(float(sizes[0]), float(sizes[1]))
+    if kind == "ellipsoid":
+        return Ellipsoid(2.0 * sizes)
     return Cuboid(sizes) if kind == "box" else None
