@@ -25,12 +25,17 @@ static inline jo_dual jo_dual_div(jo_dual a, jo_dual b)
 }
 static inline jo_dual jo_dual_times(jo_real s, jo_dual a) { return jo_dual_of(s * a.v, s * a.d); }
 static inline jo_dual jo_dual_plus(jo_dual a, jo_real s) { return jo_dual_of(a.v + s, a.d); }
+/* root of a positive number */
+static inline jo_dual jo_dual_root(jo_dual a)
+{
+    const jo_real root = jo_sqrt(a.v);
+    return jo_dual_of(root, 0.5 * a.d / root);
+}
+#ifndef JO_VECTOR
 /* root, with the derivative 0 at 0: of the length of a vector that is multiplied by the vector */
 static inline jo_dual jo_dual_sqrt(jo_dual a)
 {
-    if (!(JO_RE(a.v) > 0.0)) return jo_dual_constant(0.0);
-    const jo_real root = jo_sqrt(a.v);
-    return jo_dual_of(root, 0.5 * a.d / root);
+    return JO_RE(a.v) > 0.0 ? jo_dual_root(a) : jo_dual_constant(0.0);
 }
 static inline jo_dual jo_dual_sin(jo_dual a) { return jo_dual_of(jo_sin(a.v), jo_cos(a.v) * a.d); }
 static inline jo_dual jo_dual_exp(jo_dual a)
@@ -39,6 +44,7 @@ static inline jo_dual jo_dual_exp(jo_dual a)
     return jo_dual_of(e, e * a.d);
 }
 static inline jo_dual jo_dual_size(jo_dual a) { return JO_RE(a.v) < 0.0 ? jo_dual_times(jo_same(-1.0), a) : a; }
+#endif
 
 static inline jo_dual3 jo_dual3_of(const jo_real *v, const jo_real *d)
 {
@@ -81,7 +87,7 @@ static inline jo_dual3 jo_dual3_times(jo_dual s, jo_dual3 a)
 }
 /* a + s b */
 static inline jo_dual3 jo_dual3_axpy(jo_dual3 a, jo_dual s, jo_dual3 b) { return jo_dual3_add(a, jo_dual3_times(s, b)); }
-static inline jo_dual jo_dual3_length(jo_dual3 a) { return jo_dual_sqrt(jo_dual3_dot(a, a)); }
+static inline jo_dual jo_dual3_length(jo_dual3 a) { return jo_dual_root(jo_dual3_dot(a, a)); }
 static inline jo_dual3 jo_dual3_unit(jo_dual3 a)
 {
     return jo_dual3_times(jo_dual_div(jo_dual_constant(1.0), jo_dual3_length(a)), a);

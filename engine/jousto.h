@@ -94,7 +94,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 24 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 25 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -127,7 +127,10 @@ typedef enum { JO_COORDINATE_AXES = 1,        /* (axis_a of a) . (axis_b of b) *
                JO_COORDINATE_ANGLE = 4,       /* rotation of b relative to a about z of a, rad, counted beyond 2 pi */
                JO_COORDINATE_RIM = 5,         /* of a disc on a plane, see rolling_coordinate.c */
                JO_COORDINATE_ROLLED = 6,
-               JO_COORDINATE_ACROSS = 7
+               JO_COORDINATE_ACROSS = 7,
+               JO_COORDINATE_RAIL_GAP = 8,    /* of a conical wheel on a rail, see rail_coordinate.c */
+               JO_COORDINATE_RAIL_ROLLED = 9,
+               JO_COORDINATE_RAIL_ACROSS = 10
 } jo_coordinate_type;
 typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTATION = 3, JO_SENSOR_ANGULAR_VELOCITY = 4,
                JO_SENSOR_MODAL = 5, JO_SENSOR_REACTION = 6, JO_SENSOR_STRESS = 7, JO_SENSOR_ACCELERATION = 8,
@@ -220,7 +223,8 @@ typedef struct {
     int axis_a, axis_b;     /* AXES, ALONG */
     int turn;               /* ANGLE: index among the counted angles, else -1 */
     int link;               /* link whose joint coordinate equals plus or minus this coordinate; -1: none */
-    double radius;          /* RIM, ROLLED, ACROSS: of the disc, m */
+    double radius;          /* RIM, ROLLED, ACROSS: of the disc; RAIL: of the wheel, m */
+    double cone, head;      /* RAIL: increase of the radius along the axle; radius of the head of the rail, m */
 } jo_coordinate;
 
 /* Constraint row: sum over i of factor_i coordinate_i - offset - signal(t) = 0; the offsets of optional joints are jo_data_held(). */

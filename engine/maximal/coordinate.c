@@ -61,6 +61,9 @@ void jo_coordinate_value(const jo_model *m, jo_data *d, int i)
     case JO_COORDINATE_RIM:
     case JO_COORDINATE_ROLLED:
     case JO_COORDINATE_ACROSS: jo_rolling_value(c, a, b, w); break;
+    case JO_COORDINATE_RAIL_GAP:
+    case JO_COORDINATE_RAIL_ROLLED:
+    case JO_COORDINATE_RAIL_ACROSS: jo_rail_value(c, a, b, w); break;
     default: {   /* ANGLE: atan2(f_b . g_a, f_b . f_a) */
         jo_real g[3], u[3], v[3];
         jo_axis(f, a->A, 0);
@@ -129,9 +132,13 @@ void jo_coordinate_rate(const jo_model *m, jo_data *d, int i)
         break;
     case JO_COORDINATE_RIM:
     case JO_COORDINATE_ROLLED:
-    case JO_COORDINATE_ACROSS: {   /* change of the gradient with the motion */
+    case JO_COORDINATE_ACROSS:
+    case JO_COORDINATE_RAIL_GAP:
+    case JO_COORDINATE_RAIL_ROLLED:
+    case JO_COORDINATE_RAIL_ACROSS: {   /* change of the gradient with the motion */
         jo_real along[3], turn_a[3], turn_b[3];
-        jo_rolling_change(c, a, b, v, oma, omb, along, turn_a, turn_b);
+        if (c->type < JO_COORDINATE_RAIL_GAP) jo_rolling_change(c, a, b, v, oma, omb, along, turn_a, turn_b);
+        else jo_rail_change(c, a, b, v, oma, omb, along, turn_a, turn_b);
         w->bias = jo_dot3(along, v) + jo_dot3(turn_a, oma) + jo_dot3(turn_b, omb);
         break;
     }

@@ -66,6 +66,11 @@ void jo_rolling_value(const jo_coordinate *q, const jo_marker_work *a, const jo_
 void jo_rolling_change(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, const jo_real *dr, const jo_real *pa,
                        const jo_real *pb, jo_real *along, jo_real *turn_a, jo_real *turn_b);
 
+/* rail_coordinate.c */
+void jo_rail_value(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, jo_coordinate_work *w);
+void jo_rail_change(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, const jo_real *dr, const jo_real *pa, const jo_real *pb,
+                    jo_real *along, jo_real *turn_a, jo_real *turn_b);
+
 /* coordinate.c */
 void jo_coordinate_value(const jo_model *m, jo_data *d, int coordinate);   /* computes value, gradient */
 void jo_coordinate_rate(const jo_model *m, jo_data *d, int coordinate);    /* rate, bias */

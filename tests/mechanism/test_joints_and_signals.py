@@ -32,7 +32,7 @@ ROWS = {
     "Spherical": 3, "Revolute": 5, "Fixed": 6, "Prismatic": 5, "Cylindrical": 4, "Universal": 4,
     "Planar": 3, "PointOnLine": 2, "PointOnPlane": 1, "ConstantOrientation": 3, "Rod": 1,
     "Screw": 5, "ParallelAxes": 2, "Perpendicular": 1,
-    "RollingDisc": 3, "RollingWheel": 2, "KnifeEdge": 1,
+    "RollingDisc": 3, "RollingWheel": 2, "KnifeEdge": 1, "RailWheel": 2,
 }  # fmt: skip
 
 
@@ -45,7 +45,7 @@ def body(name="b", **kwargs):
 )
 def test_rows_of_joints(cls):
     more = {"pitch": 0.01} if cls is Screw else {}
-    if "Rolling" in cls.__name__:
+    if "Rolling" in cls.__name__ or cls.__name__ == "RailWheel":
         more = {"radius": 0.1, "axle": (0, 1, 0)}
     if cls.__name__ == "KnifeEdge":
         more = {"across": (0, 1, 0)}

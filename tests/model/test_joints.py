@@ -150,8 +150,8 @@ def _free(model: jo.Model) -> jo.Model:
 def test_every_joint_is_tested():
     found = kinds("joints", "jousto.mechanism.joints").values()
     ours = [joint for joint in found if joint.__module__.startswith("jousto.")]
-    # these have tests of their own, test_lines.py and test_rolling.py
-    own = {"Rod", "RollingDisc", "RollingWheel", "KnifeEdge"}
+    # these have tests of their own, test_lines.py, test_rolling.py and test_rail_wheel.py
+    own = {"Rod", "RollingDisc", "RollingWheel", "KnifeEdge", "RailWheel"}
     assert {joint.__name__ for joint in ours} == {*JOINTS, *own}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import jousto as jo
 from jousto.mechanism import Event, KnifeEdge, RollingDisc, RollingWheel
+from jousto.schema.read import parse_model
 
 G = 9.81
 R, M = 0.1, 1.0
@@ -214,3 +216,35 @@ def test_bad_discs_are_refused_with_a_remedy() -> None:
         KnifeEdge("blade", ground, body["origin"], UP)
     with pytest.raises(jo.InputError, match="initial gap of 20 mm"):
         jo.Mechanism(body, RollingDisc("roll", ground, body["origin"], 0.12))
+
+
+def test_a_model_file_names_the_height_of_the_rim() -> None:
+    found = parse_model(
+        """
+        bodies:
+          - {type: rigid, name: disc, mass: 1, inertia: [1, 1, 1], position: [0, 0, 0.1]}
+        joints:
+          - {type: rolling-disc, name: roll, a: ground.origin, b: disc.origin, radius: 0.1,
+             axle: [0, 1, 0]}
+        sensors:
+          - {type: coordinate, name: h, coordinate: roll.height}
+        """
+    )
+    (sensor,) = found.mechanism.sensors
+    assert sensor.coordinate is found.mechanism.joints[0].height
+
+
+def test_blades_that_contradict_each_other_hold_a_sleigh_without_a_jolt() -> None:
+    body = jo.RigidBody("sleigh", 2.0, (0.1,) * 3, velocity=(3.0, 1.0, 0))
+    plane = jo.Planar("plane", jo.ground["origin"], body["origin"])
+    blades = [
+        KnifeEdge(name, jo.ground["origin"], body["origin"], across)
+        for name, across in (("one", (0, 1, 0)), ("other", (1.0, 0.3, 0)))
+    ]
+    v = jo.VelocitySensor("v", body["origin"])
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        model = jo.compile(jo.Mechanism(body, plane, *blades, v))
+        run = jo.simulate(model, 0.5)
+    assert not [x for x in found if "jolt" in str(x.message)]
+    assert np.abs(run["v"]).max() < 1e-12

@@ -45,16 +45,19 @@ def ball(name: str, position: Any = (0, 0, 0), **more: Any) -> jo.RigidBody:
     )
 
 
+WHEELS = ("rolling-disc", "rolling-wheel", "rail-wheel")
+
+
 def joint_of(kind: Any, a: Any, b: Any) -> Any:
     """Return a joint of each kind between two origins that coincide, or stand apart (APART)."""
-    more: dict[str, Any] = {"axle": (0, 1, 0)} if kind.tag.startswith("rolling") else {}
+    more: dict[str, Any] = {"axle": (0, 1, 0)} if kind.tag in WHEELS else {}
     if kind.tag == "knife-edge":
         more = {"across": (0, 1, 0)}
     numbers = (0.3,) if kind.tag == "screw" or "axle" in more else ()
     return kind("joint", a, b, *numbers, **more)
 
 
-APART = {"rod": (0.7, 0.2, 0.4), "rolling-disc": (0, 0, 0.3), "rolling-wheel": (0, 0, 0.3)}
+APART = {"rod": (0.7, 0.2, 0.4), **dict.fromkeys(WHEELS, (0, 0, 0.3))}
 
 
 JOINTS = kinds("joints", "jousto.mechanism.joints")

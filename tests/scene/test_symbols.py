@@ -98,6 +98,12 @@ def test_every_coupling_has_a_symbol(tag):
         "coupling": lambda: (q, COUPLINGS["coupling"]("c", (p.angle, q.displacement), (1.0, 2.0))),
         "drive": lambda: (q, COUPLINGS["drive"]("c", p.angle, jo.Constant(0.0))),
         "rigid-stop": lambda: (q, COUPLINGS["rigid-stop"]("c", p.angle, upper=1.0)),
+        "disc-on-plane": lambda: (
+            q,
+            COUPLINGS["disc-on-plane"](
+                *("c", jo.ground.at((0, 3, -0.1)), two["origin"], 0.1), axle=(1, 0, 0)
+            ),
+        ),
         "lock": lambda: (
             (q, event := jo.mechanism.Event("e", p.angle, 1.0)),
             COUPLINGS["lock"]("c", p.angle, event),
@@ -105,7 +111,7 @@ def test_every_coupling_has_a_symbol(tag):
     }[tag]()
     more = more if isinstance(more, tuple) else (more,)
     symbol = named(make_scene(jo.Mechanism(one, two, p, *more, item)), "c", "joint")
-    kinds = {"drive": "motor", "rigid-stop": "coupling", "lock": "coupling"}
+    kinds = {"drive": "motor"} | dict.fromkeys(("rigid-stop", "lock", "disc-on-plane"), "coupling")
     assert symbol.kind == kinds.get(tag, tag)
     assert len(symbol.sides) == (2 if tag in kinds else 4)
     np.testing.assert_allclose(symbol.axis, Z, rtol=0, atol=1e-14)

@@ -43,6 +43,7 @@ from .forces.stop import Stop as Stop
 from .forces.track import TrackContact as TrackContact, nodes_along as nodes_along
 from .forces.tyre import BrushTyre as BrushTyre, MagicFormula as MagicFormula, Tyre as Tyre
 from .joints.directions import ParallelAxes as ParallelAxes, Perpendicular as Perpendicular
+from .joints.rails import RailWheel as RailWheel
 from .joints.rolling import (
     DiscOnPlane as DiscOnPlane,
     KnifeEdge as KnifeEdge,

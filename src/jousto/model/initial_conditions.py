@@ -319,7 +319,8 @@ def _velocities(model: Model, initials: Sequence[Initial]) -> Array:
     engine.v[:] = given + dv
     asked = np.concatenate([np.zeros(first), rates]) * engine.row_metres
     miss = np.abs(engine.constraints()[1] * engine.row_metres - asked)
-    scale = max(float(np.abs(asked).max()), largest_speed(model, engine.v))
+    speeds = (largest_speed(model, v) for v in (engine.v, given))
+    scale = max(float(np.abs(asked).max()), *speeds)
     if miss.max() > REACHED * scale:
         raise InputError(_contradictions(model, engine, initials, miss[first:]))
     return np.array(engine.v)

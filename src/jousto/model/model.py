@@ -133,6 +133,8 @@ class CoordinateModel:
     axis_a: int = 2
     axis_b: int = 2
     radius: float = 0.0
+    cone: float = 0.0
+    head: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -244,7 +244,7 @@ const GROUPS: [Kind, string[]][] = [
   [cylindrical, ["cylindrical", "screw"]],
   [prismatic, ["prismatic", "slide"]],
   [rail, ["point-on-line"]],
-  [plane, ["planar", "point-on-plane", "rolling-disc", "rolling-wheel", "knife-edge"]],
+  [plane, ["planar", "point-on-plane", "rolling-disc", "rolling-wheel", "rail-wheel", "knife-edge"]],
   [directions, ["parallel-axes", "perpendicular", "constant-orientation"]],
   [fixed, ["fixed", "weld"]],
   [rod, ["rod"]],

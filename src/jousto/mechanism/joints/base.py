@@ -127,6 +127,11 @@ class Joint(Declared, section="joints"):
         return ()
 
     @property
+    def held(self) -> tuple[Coordinate, ...]:
+        """Coordinates that the rows keep constant, which have names too."""
+        return ()
+
+    @property
     def turns(self) -> tuple[bool, bool]:
         """Whether the rows depend on the orientations of a and b."""
         used = [s for line in self.lines for s in line.coordinates]

@@ -145,6 +145,11 @@ class _Wheel(OnPlane):
         """Height of the lowest point of the rim above the plane, m; constant 0."""
         return self._coordinate(RimHeight, "height", self.radius)  # type: ignore[no-any-return]
 
+    @property
+    def held(self) -> tuple[Coordinate, ...]:
+        """The height."""
+        return (self.height,)
+
 
 class DiscOnPlane(SwitchedRow, tag="disc-on-plane"):
     """A disc that touches a plane, leaves it and lands on it: one row while it touches.

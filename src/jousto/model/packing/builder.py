@@ -95,12 +95,12 @@ class Builder:
         """Return the index of a coordinate."""
         a = self.marker(coordinate.a, coordinate.turns_a)
         b = self.marker(coordinate.b, coordinate.turns_b)
-        radius = float(np.real(getattr(coordinate, "radius", 0.0)))
-        key = ("coordinate", coordinate.engine, a, b, coordinate.column, radius)
+        sizes = {x: float(np.real(getattr(coordinate, x, 0.0))) for x in ("radius", "cone", "head")}
+        key = ("coordinate", coordinate.engine, a, b, coordinate.column, *sizes.values())
         if key not in self._places:
             self._places[key] = len(self.coordinates)
             made = CoordinateModel(
-                coordinate.name, coordinate.engine, a, b, coordinate.column, radius=radius
+                coordinate.name, coordinate.engine, a, b, coordinate.column, **sizes
             )
             self.coordinates.append(made)
         return self._places[key]

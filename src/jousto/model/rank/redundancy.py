@@ -14,7 +14,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.model.model import BodyModel, JointModel, Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.rank.dependency import dependencies, joint_fronts
-from jousto.model.scales import speed_scale, velocity_metres
+from jousto.model.scales import largest_speed, speed_scale, velocity_metres
 
 RANK = 1e-9  # singular values of unit rows in the mass metric below this are zero
 WEAK = 2e-7
@@ -302,7 +302,9 @@ def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None
     """
     problems = Problems()
     c, cdot = (np.abs(x) for x in engine.constraints())
-    metres, speed = engine.row_metres, speed_scale(model, engine.v, engine.a)
+    # the declared speeds count: rows that contradict one another may leave none of them
+    metres = engine.row_metres
+    speed = max(speed_scale(model, engine.v, engine.a), largest_speed(model, model.v0))
     closed, kept = c * metres <= OPEN * model.size, cdot * metres <= OPEN * speed
     if np.all(closed & kept):
         return

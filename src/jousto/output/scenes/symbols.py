@@ -26,7 +26,7 @@ KINDS = {
     **dict.fromkeys(("hinge", "revolute", "spherical", "universal"), "hinge"),
     **dict.fromkeys(("slide", "prismatic", "cylindrical", "screw", "planar"), "slide"),
     **dict.fromkeys(("point-on-line", "point-on-plane", "knife-edge"), "slide"),
-    **dict.fromkeys(("rolling-disc", "rolling-wheel"), "slide"),
+    **dict.fromkeys(("rolling-disc", "rolling-wheel", "rail-wheel"), "slide"),
     **{kind: kind for kind in ("fixed", "rod", "spring", "damper", "actuator", "bushing")},
     "spring-damper": "spring",
 }

@@ -331,7 +331,7 @@ def build_coordinate(
         builder.unknown(loc, "joints", "joint", name, joints)
         return None
     joint = joints[name]
-    known = {s.name.rpartition(".")[2]: s for s in joint.coordinates}
+    known = {s.name.rpartition(".")[2]: s for s in (*joint.coordinates, *joint.held)}
     if key not in known:
         kind = type(joint).__name__
         hint = suggest(key, known) if known else f"; a {kind} joint has no coordinates"

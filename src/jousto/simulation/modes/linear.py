@@ -27,7 +27,12 @@ GROWTH = 1e-6  # rate over |eigenvalue|, above which a mode grows; below, it is 
 NOISE = 1e-6  # frequency over the highest one, below which a motion does not oscillate
 # rounding error of eigenvalues (rad/s)^2 over the norm of stiffness over mass
 ROUND_OFF = 10 * float(np.finfo(float).eps)
-NONHOLONOMIC = ("rolled", "across")  # coordinates with a rate but no value
+NONHOLONOMIC = (
+    "rolled",
+    "across",
+    "rail rolled",
+    "rail across",
+)  # coordinates with a rate but no value
 RANK = 1e-10  # singular value of the scaled constraint matrix over the largest, below it a null
 
 

@@ -54,6 +54,7 @@ JOLT = (
     1e-6  # velocity residual of a joint over the speeds of the machine, above which it is warned of
 )
 INSTANTS = 17  # sampling instants of a run for the largest speed of its drives
+DRIFT = 1e-10  # displacement by a residual over the size of the mechanism that counts as rounding
 LEAP = 1e3  # displacement in a step over the size of the mechanism, above which a run has diverged
 
 
@@ -253,6 +254,8 @@ def _jolts(engine: Engine, rate: float, plan: Schedule) -> bool:
     The speeds are those of the bodies at the start and of the drives at INSTANTS of the run.
     """
     if rate <= JOLT * largest_speed(engine.model, engine.v):
+        return False
+    if rate * plan.steps * plan.step <= DRIFT * engine.model.size:
         return False
     rewind = engine.mark()
     engine.v[:] = 0.0
