@@ -68,7 +68,7 @@ class LawField(Nested["Law | None", Law]):
         return value
 
 
-class RubbingJoint(Reference["Joint | DiscOnPlane", Any]):
+class RubbingJoint(Reference[Revolute | Prismatic | Cylindrical | DiscOnPlane, Any]):
     """Field of a joint that may have friction; a model file contains its name."""
 
     section = ("joints", "couplings")

@@ -95,12 +95,17 @@ class Builder:
         """Return the index of a coordinate."""
         a = self.marker(coordinate.a, coordinate.turns_a)
         b = self.marker(coordinate.b, coordinate.turns_b)
-        sizes = {x: float(np.real(getattr(coordinate, x, 0.0))) for x in ("radius", "cone", "head")}
-        key = ("coordinate", coordinate.engine, a, b, coordinate.column, *sizes.values())
+        radius, cone, head = (
+            float(np.real(getattr(coordinate, x, 0.0))) for x in ("radius", "cone", "head")
+        )
+        key = ("coordinate", coordinate.engine, a, b, coordinate.column, radius, cone, head)
         if key not in self._places:
             self._places[key] = len(self.coordinates)
             made = CoordinateModel(
-                coordinate.name, coordinate.engine, a, b, coordinate.column, **sizes
+                *(coordinate.name, coordinate.engine, a, b, coordinate.column),
+                radius=radius,
+                cone=cone,
+                head=head,
             )
             self.coordinates.append(made)
         return self._places[key]
