@@ -30,8 +30,17 @@ def test_no_machine_is_missing() -> None:
     files = {path.name for path in FOLDER.glob("*.yaml")}
     shown = {name.split(",")[0] for name in MACHINES}
     # the same machines as their files: a truth of finer mesh, loads and speeds of their own
-    # contacts have no second formulation: tests/model/test_contact_steps.py has the quadruped
-    twins = {"quadruped", "crane_twin", "flexible_pendulum", "link_arm", "monitor", "moving_load"}
+    # contacts have no second formulation: tests/model/test_contact_steps.py has the quadruped,
+    # tests/model/test_track_contact.py balls on beams
+    twins = {
+        "ball_on_beam",
+        "quadruped",
+        "crane_twin",
+        "flexible_pendulum",
+        "link_arm",
+        "monitor",
+        "moving_load",
+    }
     assert (scripts - twins) | files <= shown
 
 
