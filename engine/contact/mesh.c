@@ -182,15 +182,6 @@ int jo_mesh_is_rim(const jo_mesh *m, const jo_mesh_foot *y)
     return 0;
 }
 
-void jo_mesh_direction(const jo_mesh *m, const jo_mesh_foot *y, const double *c, double *n)
-{
-    jo_minus3d(n, c, y->at);
-    if (y->part == JO_ON_FACE || !(jo_unit3d(n) > 0.0)) {
-        const double height = mesh_plane(m, y->triangle, c, n);
-        for (int k = 0; k < 3 && height < 0.0; k++) n[k] = -n[k];
-    }
-}
-
 int jo_mesh_is_flat(const jo_mesh *m, const jo_mesh_foot *y)
 {
     const int group = jo_whole(m->group[y->triangle]);
@@ -201,6 +192,15 @@ int jo_mesh_is_flat(const jo_mesh *m, const jo_mesh_foot *y)
     for (int k = jo_whole(m->first[v]); k < jo_whole(m->first[v + 1]); k++)
         if (jo_whole(m->group[jo_whole(m->fan[k])]) != group) return 0;
     return 1;
+}
+
+void jo_mesh_direction(const jo_mesh *m, const jo_mesh_foot *y, const double *c, double *n)
+{
+    jo_minus3d(n, c, y->at);
+    if (jo_mesh_is_flat(m, y) || !(jo_unit3d(n) > 0.0)) {
+        const double height = mesh_plane(m, y->triangle, c, n);
+        for (int k = 0; k < 3 && height < 0.0; k++) n[k] = -n[k];
+    }
 }
 
 /* The feature of the closest point `foot` to the centre c of a sphere. */

@@ -162,6 +162,23 @@ def test_tilted_triangles_of_any_form_are_one_plane():
             assert np.abs(normal - turn[:, 2]).max() < 1e-14
 
 
+def test_a_point_just_below_a_tilted_plane_has_its_normal():
+    """1e-9 m deep over an edge, a corner or a face: force and direction as over a plane."""
+    rng = np.random.default_rng(12)
+    for _ in range(10):
+        turn = Rotation.random(random_state=rng).as_matrix()
+        slab = TriangleMesh(HeightField(np.zeros((5, 5)), 1.0, 1.0).triangles @ turn.T)
+        (x, y), depth = rng.integers(-1, 2, 2) * 0.25 + rng.choice([0, 0.125]), 1e-9
+        body = ball(tuple(turn @ (x, y, -depth)))
+        law = PowerLaw(1e9, 1.0, restitution=1.0)
+        contact = Contact("c", jo.ground["origin"], slab, body["origin"], Sphere(0.0), law)
+        force = np.array(
+            jo.model.Engine(jo.compile(jo.Mechanism(body, contact))).accelerations()[0]
+        )
+        assert np.linalg.norm(force[:3]) == pytest.approx(1.0, rel=1e-6)
+        assert np.abs(force[:3] / np.linalg.norm(force[:3]) - turn[:, 2]).max() < 1e-14
+
+
 def _upward(p: Any, triangles: Any, n: Any) -> Any:
     a, b, c = (p[triangles[:, i]] for i in range(3))
     down = np.cross(b - a, c - a) @ n < 0.0

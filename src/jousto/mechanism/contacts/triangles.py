@@ -17,7 +17,7 @@ LEAF = 4
 MARK = -1.0
 """First number of a surface (``JO_MESH_MARK``)."""
 MOST_TRIANGLES = 2_000_000
-"""Largest number of triangles; a triangle takes some 190 bytes."""
+"""Largest number of triangles; a triangle takes some 180 bytes."""
 SAME_PLANE = 1e-6
 """Angle of two triangles of one plane, rad."""
 FLAT = 1e-12
