@@ -38,6 +38,7 @@ typedef double jo_real;
  *   `ratio` times as far), e = s - s_2 / ratio - free
  * pid: controller with integral part and filtered derivative, see force_pid.c; two states from jo_force.state on
  * contact: a sphere on b, centre in frame b, touches a shape of a, see force_contact.c and jo_shape_type; six states from jo_force.state on
+ *   around > 0: a point of the rim of a cylinder with the radius `ring`, at the angle around - 1 from its lowest point
  * contact_pair: two convex polytopes, see force_contact_pair.c; 8 states for each of up to 8 points
  * contact_set: shapes whose pairs are not known; its numbers are followed by the rows of contact_rows.h, its force by those of its slots
  * contact_slot: contact of a pair that is near; set, number: forces of the set and of the slot; eight states from jo_force.state on
@@ -46,6 +47,7 @@ typedef double jo_real;
  * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
  *   coefficients of (s - s_k)^0..3 of the position and of each mode shape; at s = reference(t), times signal; 0 beyond the ends */
 #define JO_CONTACT_LAW stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, mass, duration
+#define JO_TOUCH_LAW resolve, restitution
 #define JO_FORCES(ROW) \
     ROW(load, force[3], torque[3]) \
     ROW(along, stiffness, damping, free, preload, limit) \
@@ -54,14 +56,14 @@ typedef double jo_real;
     ROW(modal_load, force[3], torque[3]) \
     ROW(user, none) \
     ROW(moving_load, count, modes, force[3]) \
-    ROW(contact, JO_CONTACT_LAW, shape, size[3], centre[3], radius, ring) \
-    ROW(contact_set, shapes, tips, surfaces, groups, excluded, slots) \
+    ROW(contact, JO_CONTACT_LAW, JO_TOUCH_LAW, shape, size[3], centre[3], radius, ring, around) \
+    ROW(contact_set, shapes, tips, surfaces, groups, excluded, slots, resolve) \
     ROW(contact_slot, set, number) \
     ROW(pid, proportional, integral, derivative, weight, filter, filter_share, tracking, tracking_share, lower, upper, start, speed) \
     ROW(plastic, stiffness, free, strength, kinematic, recovery, isotropic, saturation, rate) \
     ROW(gear_spring, stiffness, damping, ratio, free) \
-    ROW(contact_pair, JO_CONTACT_LAW) \
-    ROW(contact_track, JO_CONTACT_LAW, radius, count) \
+    ROW(contact_pair, JO_CONTACT_LAW, JO_TOUCH_LAW) \
+    ROW(contact_track, JO_CONTACT_LAW, JO_TOUCH_LAW, radius, count) \
     ROW(tyre, radius, stiffness, damping, relaxation[2], lead, slow, sink, resistance, law, mu, half_length, load, cx, cy, \
         longitudinal[9], lateral[13], aligning[14], peak[2]) \
     /* the last row */
@@ -511,6 +513,13 @@ enum { JO_DOUBT = 4, JO_MOST_DOUBTS = 16 };
 /* steps so far in which a gap may have closed for a moment shorter than can be resolved. out (JO_MOST_DOUBTS x JO_DOUBT), the first of them:
  * time, s; force, -1: a pair of a set that was not searched; shape that is touched and tip of a pair in a slot, else -1 */
 long long jo_data_unproven(const jo_data *d, double *out);
+/* parts of steps in which no gap can have closed unseen: proven at once, after halvings of their length, up to an event; most halvings */
+typedef struct { long long at_once, advanced, events, most; } jo_proof;
+const jo_proof *jo_data_proof(const jo_data *d);
+enum { JO_BRIEF = 3, JO_MOST_BRIEF = 16 };
+/* touches so far of contacts with resolve "report" that last for less than 10 steps. out (JO_MOST_BRIEF x JO_BRIEF), the first of them: time,
+ * s; first state of the contact; duration by the law without loss, s */
+long long jo_data_brief(const jo_data *d, double *out);
 long long jo_data_room(const jo_model *m);       /* memory that jo_data_place needs, bytes, at any address */
 jo_data *jo_data_place(const jo_model *m, void *memory);   /* jo_data_new in memory of the caller; without jo_data_free */
 void jo_data_gravity(const jo_model *m, jo_data *d);       /* to be called after a change of the gravity of the model */

@@ -132,6 +132,40 @@ static inline int jo_is_mesh(const jo_real *data) { return (int)JO_RE(data[0]) =
  * plane, < 0 a patch, 0 unknown; curvature of the distance above it, 1/m; distance of everything else. */
 typedef struct { double gap, normal[3], clear, curvature; int part; } jo_mesh_gap;
 
+/* how a touch is resolved: by short steps, by an impulse, not at all */
+enum { JO_RESOLVE_CUT = 0, JO_RESOLVE_IMPULSE = 1, JO_RESOLVE_REPORT = 2 };
+enum { JO_STRUCK = 32 };    /* largest number of points that exchange impulses in an instant */
+enum { JO_STRUCK_ROWS = 3 * JO_STRUCK };
+
+/* A point that strikes, or that is closed and takes part. */
+typedef struct jo_strike {
+    const jo_force *force;  /* whose markers it is on */
+    int number;             /* in m->force, of a slot that of the slot */
+    int first, approach, since;   /* first state of the point; its states of the speed and of the time of the touch */
+    int closed, rows;       /* whether it has touched before; 1 row along the normal, or 3 with friction */
+    jo_real lever[3];       /* from the origin of b, resolved in a */
+    jo_real axis[9];        /* rows: normal of a, two tangents */
+    jo_real v[3];           /* velocity of b on a along these, before */
+    jo_real gap, mass, slowest, restitution, mu, stiffness, exponent;
+    int rests;              /* at the end of a step of bounded work: it strikes without rebound, so that its law begins */
+    double late;            /* time since its touch there, s */
+    jo_real target[3];      /* with these velocities subtracted the laws are homogeneous */
+} jo_strike;
+
+/* adds the force of an impulse at the point with this first state to F (6) */
+static inline void jo_add_blow(const jo_data *d, int first, const jo_real *lever, jo_real *F)
+{
+    jo_real T[3];
+    jo_cross(T, lever, d->contacts.blow + first);
+    jo_add3(F, d->contacts.blow + first);
+    jo_add3(F + 3, T);
+}
+static inline int jo_has_impulses(const jo_data *d) { return d->contacts.struck_points != 0; }
+static inline int jo_blows(const jo_data *d) { return d->contacts.blows; }
+/* whether touches that strike wait for their impulse, which comes at the end of a step of bounded work */
+static inline int jo_touches_wait(const jo_data *d) { return d->contacts.waits; }
+static inline void jo_let_touches_wait(jo_data *d, int wait) { d->contacts.waits = wait; }
+
 /* shape_distance.c */
 void jo_shape_distance(int shape, const jo_real *size, const jo_real *x, jo_distance *y);
 
@@ -186,5 +220,21 @@ void jo_separation(const jo_polytope *a, const jo_polytope *b, const jo_separate
 
 /* corners.c */
 int jo_corners(const jo_polytope *a, const jo_polytope *b, const jo_separated *s, jo_corner *list);   /* their number, up to JO_CORNERS */
+
+/* brief_touches.c */
+void jo_brief_layout(const jo_model *m, jo_data *d, jo_arena *a);
+void jo_brief_step(jo_data *d, double step, int counts);   /* length of the step that begins, s, 0: as before; whether touches count from here on */
+void jo_note_touch(const jo_data *d, int state, double duration);   /* a touch begins that will last for a duration, s */
+
+/* impulse_solver.c */
+/* Impulses p (n) with v + W p, W (n x n), of k points, by block Gauss-Seidel sweeps; returns whether they have converged. */
+int jo_impulse_solve(const jo_strike *s, int k, int n, const jo_real *W, jo_real *p);
+
+/* impulses.c */
+void jo_impulse_layout(const jo_model *m, jo_data *d, jo_arena *a);
+/* All velocities jump where points strike at the present state: at a located instant, or at the end of a step of bounded work of length h.
+ * *struck: their number. */
+int jo_strike_all(const jo_model *m, jo_data *d, double h, int *struck);
+int jo_struck_force(const jo_data *d, int k, double *impulse);   /* k-th force that has struck last, with its normal impulse, N s; -1: no more */
 
 #endif

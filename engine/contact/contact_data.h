@@ -6,6 +6,11 @@ typedef struct {
     struct jo_contact_matrix *matrix;   /* (count) of the contacts of the model */
     int count;
     int *of_state;          /* (nstate) of a first state of a contact: its number */
+    jo_real *blow;          /* (nstate) force at a point in frame a, from its first state on; only while blows is set */
+    double *brief;          /* number of touches that were too short, present step, s, whether they count now, then the list of jo_data_brief */
+    int waits;              /* whether touches that strike wait for their impulse at the end of a step of bounded work */
+    int blows, struck_points;   /* whether impulses act; whether any contact is resolved by impulses */
+    struct jo_struck *struck;   /* points that strike, see impulses.c */
 } jo_contacts;
 
 /* Sets of shapes that touch. */

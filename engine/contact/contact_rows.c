@@ -14,6 +14,7 @@ jo_contact_rows jo_contact_rows_of(const jo_force *set)
     y.groups = (int)JO_RE(n->groups);
     y.excluded = (int)JO_RE(n->excluded);
     y.slots = (int)JO_RE(n->slots);
+    y.resolve = (int)JO_RE(n->resolve);
     y.shape = (const jo_shape_row *)at;
     y.tip = (const jo_tip_row *)(y.shape + y.shapes);
     y.law = (const jo_law_row *)(y.tip + y.tips);
@@ -40,6 +41,7 @@ static void bind(const jo_contact_rows *y, const jo_force *f, jo_bound *b)
     x->shape = on->type;
     x->radius = tip->radius;
     x->ring = tip->ring;
+    x->around = tip->around;
     for (int i = 0; i < 3; i++) {
         x->size[i] = on->size[i];
         x->centre[i] = tip->centre[i];
@@ -55,6 +57,8 @@ static void bind(const jo_contact_rows *y, const jo_force *f, jo_bound *b)
     x->shear = law->shear;
     x->mass = 1.0 / mobility;
     x->duration = law->span * pow(JO_RE(x->mass / x->stiffness), 1.0 / (JO_RE(law->exponent) + 1.0));
+    x->resolve = jo_same(y->resolve);
+    x->restitution = law->restitution;
     b->force = *f;
     b->force.type = JO_FORCE_contact;
     b->force.a = (int)JO_RE(on->marker);

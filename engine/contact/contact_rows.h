@@ -10,13 +10,13 @@ enum { JO_SHAPE_TYPES = 9 };    /* types of jo_shape_type */
  * reach: distance from the marker to the farthest place, m, < 0 for a shape without end; curvature, 1/m, and largest inverse mass, 1/kg, of a
  * shape that is touched and of one with tips; the tips of a shape follow one another */
 typedef struct { jo_real marker, type, size[3], reach, first, tips, curvature[2], mobility[2], surface, group; } jo_shape_row;
-typedef struct { jo_real shape, centre[3], radius, ring; } jo_tip_row;
+typedef struct { jo_real shape, centre[3], radius, ring, around; } jo_tip_row;
 /* law of a pair of surfaces, as in jo_contact_data; hertz 1: the stiffness is divided by the root of the sum of both curvatures; span: the
  * duration is span (mass / stiffness)^(1 / (exponent + 1)) */
-typedef struct { jo_real hertz, stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, span; } jo_law_row;
+typedef struct { jo_real hertz, stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, span, restitution; } jo_law_row;
 
 typedef struct {
-    int shapes, tips, surfaces, groups, excluded, slots;
+    int shapes, tips, surfaces, groups, excluded, slots, resolve;
     const jo_shape_row *shape;
     const jo_tip_row *tip;
     const jo_law_row *law;      /* (surfaces x surfaces) */

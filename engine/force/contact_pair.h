@@ -21,6 +21,7 @@ static inline int jo_pair_touches(const jo_real *state) { return jo_pair_is_list
 static inline double jo_pair_radii(const jo_contact_pair_pose *p) { return JO_RE(p->a.radius + p->b.radius); }
 
 /* contact_mesh.c */
+double jo_pair_reach(const jo_contact_pair_pose *p);   /* largest distance of a vertex of b from its origin, m */
 /* Points of b move on a with at most |v| + |w| reach. Over a face of a, with its normal n, the gap shrinks at most with -n . v + |w| reach. */
 void jo_pair_approach_along(const jo_contact_pair_pose *p, const double *n, jo_approach *to);
 /* the points on a surface of triangles with the states that continue those in `state` */

@@ -1,5 +1,6 @@
 /* contact_phase.c - states of a point of contact: within a step its bristle follows the slip, at the end of a step its phase may change. */
 #include "force/contact_point.h"
+#include "contact/contact.h"
 
 #define JO_CONTACT_PARTS 20.0   /* steps in which a short contact is resolved */
 #define JO_CONTACT_LASTS 4.0    /* age of a contact over its duration without loss, from which on it is not short: also with large mass and loss */
@@ -102,11 +103,14 @@ static void change_phase(const jo_contact_law *x, const jo_contact_point *y, jo_
     }
 }
 
-jo_real jo_contact_update(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state)
+jo_real jo_contact_update(const jo_contact_law *x, int waits, jo_real time, jo_contact_point *y, jo_real *state)
 {
     const int phase = jo_contact_phase(state), overlaps = JO_RE(y->depth) > 0.0;
     const jo_real before = jo_contact_energy(x, phase, y);
-    if (phase == JO_CONTACT_APART && overlaps) {
+    const int bounces = jo_contact_may_strike(x) && (waits || fabs(JO_RE(y->rate)) > JO_RE(x->slowest));   /* by an impulse */
+    if (phase == JO_CONTACT_APART && bounces) {
+        /* stays apart */
+    } else if (phase == JO_CONTACT_APART && overlaps) {
         state[JO_CONTACT_SPEED] = x->slowest;
         touch(x, time, y, state);
     } else if (overlaps) {
@@ -135,14 +139,26 @@ jo_real jo_contact_margin(const jo_contact_law *x, const jo_real *state, const j
     return left;
 }
 
+/* duration of the touch without loss, s */
+static double lasts(const jo_contact_law *x, const jo_real *state)
+{
+    const double n = JO_RE(x->exponent);
+    return JO_RE(x->duration) * pow(JO_RE(state[JO_CONTACT_SPEED]), (1.0 - n) / (1.0 + n));
+}
+
+void jo_contact_begun(const jo_data *d, const jo_contact_law *x, int first, const jo_real *state)
+{
+    if (jo_contact_phase(state) != JO_CONTACT_APART && JO_RE(x->resolve) == JO_RESOLVE_REPORT) jo_note_touch(d, first, lasts(x, state));
+}
+
 /* A short contact is resolved in JO_CONTACT_PARTS steps. An explicit method is stable up to some 2 / (omega + c / mass), omega^2 = k / mass;
  * several contacts of one body add up. */
 double jo_contact_longest_step(const jo_contact_law *x, const jo_real *state, jo_real time, const jo_contact_point *y)
 {
     double longest = INFINITY;
     if (jo_contact_phase(state) == JO_CONTACT_APART) return longest;
-    const double n = JO_RE(x->exponent), T = JO_RE(x->duration) * pow(JO_RE(state[JO_CONTACT_SPEED]), (1.0 - n) / (1.0 + n));
-    if (JO_RE(time - state[JO_CONTACT_SINCE]) < JO_CONTACT_LASTS * T) longest = T / JO_CONTACT_PARTS;
+    const double T = lasts(x, state);
+    if (JO_RE(x->resolve) != JO_RESOLVE_REPORT && JO_RE(time - state[JO_CONTACT_SINCE]) < JO_CONTACT_LASTS * T) longest = T / JO_CONTACT_PARTS;
     if (y) {
         const double rate = sqrt(fabs(JO_RE(y->by_depth / x->mass))) + JO_RE(y->by_rate / x->mass);
         longest = fmin(longest, JO_CONTACT_STABLE / rate);

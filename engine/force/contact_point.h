@@ -10,7 +10,7 @@ enum { JO_CONTACT_PHASE, JO_CONTACT_SPEED, JO_CONTACT_SINCE, JO_CONTACT_STRETCH,
 enum { JO_CONTACT_APART, JO_CONTACT_STICKS, JO_CONTACT_SLIPS, JO_CONTACT_EASED };
 
 /* The numbers of the law, with which the data of every kind of contact begin. */
-typedef struct { jo_real JO_CONTACT_LAW; } jo_contact_law;
+typedef struct { jo_real JO_CONTACT_LAW, JO_TOUCH_LAW; } jo_contact_law;
 
 /* A point at the present positions and velocities, resolved in a. */
 typedef struct {
@@ -38,6 +38,17 @@ static inline const jo_contact_law *jo_contact_law_of(const jo_force *f) { retur
 static inline int jo_contact_phase(const jo_real *state) { return (int)JO_RE(state[JO_CONTACT_PHASE]); }
 static inline int jo_contact_follows(int phase) { return phase == JO_CONTACT_STICKS || phase == JO_CONTACT_EASED; }   /* whether the bristle moves within a step */
 
+/* Smallest and largest components of the velocity v of the point of jo_approach in the stages of a step so far, of an open gap with this first
+ * state, which has at least 6 states. */
+static inline void jo_see_speed(jo_data *d, int first, const jo_real *v)
+{
+    double *low = d->forces.seen + first, *high = low + 3;
+    for (int i = 0; i < 3; i++) {
+        low[i] = fmin(low[i], JO_RE(v[i]));
+        high[i] = fmax(high[i], JO_RE(v[i]));
+    }
+}
+
 /* contact_motion.c */
 void jo_contact_slide(jo_contact_point *y);   /* d' and slip; v is the velocity of the origin of b before it */
 void jo_contact_rates(const jo_contact_point *y, int k, jo_contact_change *c);   /* changes of d' and slip, after those of position */
@@ -64,9 +75,17 @@ void jo_contact_implicit(const jo_model *m, jo_data *d, const jo_stage *stage, c
 void jo_contact_start(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state);
 void jo_contact_move_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_contact_law *x, int state, jo_contact_point *y);
 void jo_contact_hold_states(const jo_model *m, jo_data *d, const jo_stage *stage, int first, int count);   /* constant within a step */
-jo_real jo_contact_update(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state);   /* returns the energy that it dissipates */
+/* returns the energy that it dissipates; waits: whether a touch does not begin here, see jo_touches_wait */
+jo_real jo_contact_update(const jo_contact_law *x, int waits, jo_real time, jo_contact_point *y, jo_real *state);
 jo_real jo_contact_margin(const jo_contact_law *x, const jo_real *state, const jo_contact_point *y);   /* < 0: the phase has ended */
 double jo_contact_longest_step(const jo_contact_law *x, const jo_real *state, jo_real time, const jo_contact_point *y);   /* y NULL: implicit */
 int jo_contact_ease(jo_real *state);
+void jo_contact_begun(const jo_data *d, const jo_contact_law *x, int first, const jo_real *state);   /* notes a touch that has begun */
+
+/* contact_strike.c */
+#define JO_CONTACT_SOON 1e-9    /* time, s, within which a gap may close for its point to be listed */
+int jo_contact_may_strike(const jo_contact_law *x);
+/* the point with the first state `first` of f as one that strikes or is closed; returns their number, 0 or 1 */
+int jo_contact_strike(const jo_contact_law *x, int waits, const jo_force *f, int first, const jo_real *state, const jo_contact_point *y, struct jo_strike *s);
 
 #endif

@@ -3,29 +3,58 @@
 #include "contact/contact.h"
 #include "force/contact_tip.h"
 
-/* vector from the centre of a ring to its lowest point, in direction -n: ring u, u = -(n - (n . z) z) / |n - (n . z) z|, z its axis */
+/* tilt of a cylinder, rad, below which the points of its rim do not follow its lowest one: it stands, and that is not defined */
+#define JO_STANDS 1e-9
+
+static jo_real sine_of(const jo_contact_data *x) { return JO_RE(x->around) > 0.0 ? sin(JO_RE(x->around) - 1.0) : 0.0; }
+
+/* y = u cos a + z x u sin a */
+static void turned(const jo_contact_data *x, const jo_real *axis, const jo_real *u, jo_real *y)
+{
+    jo_set3(y, u);
+    if (!(JO_RE(x->around) > 0.0)) return;
+    jo_real t[3];
+    const double c = cos(JO_RE(x->around) - 1.0);
+    jo_cross(t, axis, u);
+    for (int i = 0; i < 3; i++) y[i] = c * u[i] + sine_of(x) * t[i];
+}
+
+/* Vector from the centre of a ring to one of its points: ring (u cos a + z x u sin a), z its axis, u towards its lowest point, in direction -n:
+ * u = x / |x|, x = (n . z) z - n. The points of a rim of a cylinder (around > 0, a = around - 1) have x + JO_STANDS e, e: first axis of b. */
 static void lowest(const jo_contact_data *x, const jo_real *R, const jo_real *n, jo_contact_tip *tip)
 {
+    const int stands = JO_RE(x->around) > 0.0;
     jo_axis(tip->axis, R, 2);
+    jo_axis(tip->first, R, 0);
     tip->along = jo_dot3(n, tip->axis);
-    for (int i = 0; i < 3; i++) tip->out[i] = tip->along * tip->axis[i] - n[i];
-    tip->sine = jo_length3(tip->out);
-    for (int i = 0; i < 3; i++) {
-        tip->out[i] = JO_RE(tip->sine) > 0.0 ? tip->out[i] / tip->sine : R[3 * i];   /* flat on the plane: along x */
-        tip->arm[i] += x->ring * tip->out[i];
-    }
+    for (int i = 0; i < 3; i++) tip->down[i] = tip->along * tip->axis[i] - n[i] + (stands ? JO_STANDS * tip->first[i] : jo_same(0.0));
+    tip->sine = jo_length3(tip->down);
+    for (int i = 0; i < 3; i++) tip->down[i] = JO_RE(tip->sine) > 0.0 ? tip->down[i] / tip->sine : tip->first[i];   /* flat on the plane */
+    turned(x, tip->axis, tip->down, tip->out);
+    jo_axpy3(tip->arm, x->ring, tip->out);
 }
 
 /* change of ring u with a rotation e */
 static void lowest_change(const jo_contact_data *x, const jo_contact_tip *tip, const jo_real *e, jo_real *c)
 {
     if (!(JO_RE(tip->sine) > 0.0)) return;
-    const jo_real *n = tip->from.normal;
-    jo_real dz[3], da[3];
+    const jo_real *n = tip->from.normal, *u = tip->down;
+    jo_real dz[3], de[3], du[3], out[3], t[3];
     jo_cross(dz, e, tip->axis);
-    const jo_real dalong = jo_dot3(n, dz), dsine = -tip->along * dalong / tip->sine;
-    for (int i = 0; i < 3; i++) da[i] = (dalong * tip->axis[i] + tip->along * dz[i] - dsine * tip->out[i]) / tip->sine;
-    jo_axpy3(c, x->ring, da);
+    jo_cross(de, e, tip->first);
+    const jo_real dalong = jo_dot3(n, dz);
+    for (int i = 0; i < 3; i++) {
+        du[i] = dalong * tip->axis[i] + tip->along * dz[i];
+        if (JO_RE(x->around) > 0.0) du[i] += JO_STANDS * de[i];
+    }
+    const jo_real along = jo_dot3(u, du);
+    for (int i = 0; i < 3; i++) du[i] = (du[i] - along * u[i]) / tip->sine;
+    turned(x, tip->axis, du, out);
+    if (JO_RE(x->around) > 0.0) {
+        jo_cross(t, dz, u);
+        jo_axpy3(out, sine_of(x), t);
+    }
+    jo_axpy3(c, x->ring, out);
 }
 
 void jo_contact_place(const jo_data *d, const jo_force *f, jo_contact_tip *tip, jo_contact_point *y)
@@ -96,16 +125,38 @@ static double curvature_over(const jo_contact_data *x, const jo_real *normal, in
     return shape == JO_SHAPE_CYLINDER && JO_RE(normal[2]) == 0.0 ? 1.0 / r : INFINITY;
 }
 
+/* whether the distance from the shape is a convex function of the place: that from a convex body is */
+static int is_convex(const jo_contact_data *x)
+{
+    switch ((int)JO_COMMON(x->shape)) {
+    case JO_SHAPE_HALF_SPACE:
+    case JO_SHAPE_SPHERE:
+    case JO_SHAPE_CAPSULE:
+    case JO_SHAPE_BOX:
+    case JO_SHAPE_CYLINDER: return !(JO_RE(x->ring) > 0.0);
+    default: return 0;
+    }
+}
+
+/* that of the contact point less w x (lever - arm) */
+void jo_contact_tip_velocity(const jo_contact_tip *tip, const jo_contact_point *y, jo_real *v)
+{
+    jo_real arm[3], turn[3];
+    jo_set3(arm, y->lever);
+    jo_sub3(arm, tip->arm);
+    jo_cross(turn, y->w, arm);
+    jo_set3(v, y->v);
+    jo_sub3(v, turn);
+}
+
 /* the centre of the sphere in frame a; of a ring its lowest point, which moves on the ring no faster than the ring turns */
 void jo_contact_tip_approach(const jo_contact_data *x, const jo_contact_tip *tip, const jo_contact_point *y, jo_approach *to)
 {
     jo_real v[3];
+    jo_contact_tip_velocity(tip, y, v);
     to->gap = -JO_RE(y->depth);
     to->rate = -JO_RE(y->rate);
-    /* velocity of the centre: that of the contact point less w x (lever - arm) */
-    jo_set3(v, y->lever);
-    jo_sub3(v, tip->arm);
-    jo_cross(v, y->w, v);
-    for (int i = 0; i < 3; i++) to->v[i] = JO_RE(y->v[i] - v[i]);
+    for (int i = 0; i < 3; i++) to->v[i] = JO_RE(v[i]);
+    to->convex = is_convex(x);
     to->curvature = curvature_over(x, y->normal, &to->face);
 }

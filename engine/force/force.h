@@ -13,11 +13,17 @@ static inline const jo_slopes_of_state *jo_force_slopes(const jo_data *d, int st
 
 /* How a gap may close within a step: gap, m, its rate, m/s, velocity of the point whose distance it is, m/s, the largest curvature of the
  * surfaces of constant distance, 1/m, and the face over which the point is: on the way from one face to another the distance is not smooth.
+ * convex: whether the distance is a convex function of the place. seen: first state of the force, for jo_see_speed.
  * clear: gap of everything beside this face, m; INFINITY unless a kind sets it. */
-typedef struct jo_approach { double gap, rate, v[3], curvature, clear; int face; } jo_approach;
+typedef struct jo_approach { double gap, rate, v[3], curvature, clear; int face, convex, seen; } jo_approach;
 
 /* forces that a method treats as an explicit one: none; all; those of slots of contacts, which are not in the matrix of ROS2 */
 enum { JO_EXPLICIT_NONE = 0, JO_EXPLICIT_ALL = 1, JO_EXPLICIT_SLOTS = 2 };
+
+/* smallest and largest components of the velocity of an open gap in the stages of a step, see jo_see_speed */
+static inline double *jo_seen_speeds(const jo_data *d, int first) { return d->forces.seen + first; }
+
+struct jo_strike;
 
 /* Kinds whose force depends on the motion before: their states are constant within a step and change at its end. */
 typedef struct {
@@ -32,6 +38,8 @@ typedef struct {
     int (*ease)(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x);
     /* 0 if there is no gap; NULL: never one */
     int (*approach)(const jo_model *m, const jo_data *d, const jo_force *f, jo_approach *y);
+    /* points that strike with an impulse, or are closed; their number, up to `room`, see contact/impulses.h; NULL: never any */
+    int (*strikes)(const jo_model *m, const jo_data *d, const jo_force *f, struct jo_strike *list, int room);
 } jo_yielding;
 
 /* functions that the file of each kind of force defines; the rows of the kinds are in jousto.h. */

@@ -61,10 +61,19 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     jo_contact_move_states(m, d, stage, x, f->state, &y);
     if (stage->contacts) add_implicit(m, d, stage, f, &tip, &y);
     *out = none;
-    if (phase == JO_CONTACT_APART || !(JO_RE(y.depth) > 0.0)) return JO_OK;
-    jo_real F[6];
-    jo_contact_force(x, phase, &y, F, &d->power);
-    out->stored = jo_contact_energy(x, phase, &y);
+    if (phase == JO_CONTACT_APART) {
+        jo_real v[3];
+        jo_contact_tip_velocity(&tip, &y, v);
+        jo_see_speed(d, f->state, v);
+    }
+    const int acts = phase != JO_CONTACT_APART && JO_RE(y.depth) > 0.0;
+    if (!acts && !jo_blows(d)) return JO_OK;
+    jo_real F[6] = {0.0};
+    if (acts) {
+        jo_contact_force(x, phase, &y, F, &d->power);
+        out->stored = jo_contact_energy(x, phase, &y);
+    }
+    if (jo_blows(d)) jo_add_blow(d, f->state, y.lever, F);
     jo_push_between(m, d, f, F, out);
     return JO_OK;
 }
@@ -109,8 +118,11 @@ static jo_real update(const jo_model *m, const jo_data *d, const jo_force *f, jo
 {
     jo_contact_tip tip;
     jo_contact_point y;
+    const int apart = jo_contact_phase(state) == JO_CONTACT_APART;
     present(m, d, f, states(d, f), &tip, &y);
-    return jo_contact_update(jo_contact_law_of(f), d->time[0], &y, state);
+    const jo_real lost = jo_contact_update(jo_contact_law_of(f), jo_touches_wait(d), d->time[0], &y, state);
+    if (apart) jo_contact_begun(d, jo_contact_law_of(f), f->state, state);
+    return lost;
 }
 
 static jo_real margin(const jo_model *m, const jo_data *d, const jo_force *f)
@@ -142,7 +154,17 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
     if (jo_contact_phase(states(d, f)) != JO_CONTACT_APART) return 0;
     present(m, d, f, 0, &tip, &y);
     jo_contact_tip_approach(numbers(f), &tip, &y, to);
+    to->seen = f->state;
     return 1;
+}
+
+static int strikes(const jo_model *m, const jo_data *d, const jo_force *f, jo_strike *list, int room)
+{
+    jo_contact_tip tip;
+    jo_contact_point y;
+    if (!room || !jo_contact_may_strike(jo_contact_law_of(f))) return 0;
+    present(m, d, f, 0, &tip, &y);
+    return jo_contact_strike(jo_contact_law_of(f), jo_touches_wait(d), f, f->state, states(d, f), &y, list);
 }
 
 /* a bristle that breaks changes mu_static to mu_kinetic */
@@ -152,5 +174,5 @@ static int jumps(const jo_force *f, const jo_real *before, const jo_real *after)
     return jo_contact_phase(before) != jo_contact_phase(after);
 }
 
-static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach};
+static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, strikes};
 const jo_force_kind jo_force_contact = {apply, stored, tangent, start, nominals, &yielding};

@@ -17,6 +17,7 @@
 #include "contact/contact.h"
 #include "force/contact_pair.h"
 
+enum { REACH = 6 };     /* place of the largest distance of a vertex of b from its origin in jo_seen_speeds, beside the velocities */
 #define JO_SAME_WEIGHT 1e-9     /* change of a weight that is round-off */
 
 typedef jo_contact_pair_pose pair;
@@ -128,6 +129,23 @@ static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage, c
     jo_contact_implicit(m, d, stage, f, first, &t->y, moves);
 }
 
+/* velocity of the origin of b, made longer by |w| reach */
+static void longest_velocity(const pair *p, double reach, jo_real *v)
+{
+    const double speed = jo_length(p->v, 3), turning = jo_length(p->w, 3) * reach, share = speed > 0.0 ? 1.0 + turning / speed : 0.0;
+    for (int i = 0; i < 3; i++) v[i] = share * p->v[i];
+    if (!(speed > 0.0)) v[0] = jo_same(turning);
+}
+
+/* the speed of an open gap in a stage */
+static void see_apart(const jo_model *m, jo_data *d, const jo_force *f, pair *p)
+{
+    jo_real v[3];
+    read_motion(m, d, f, p);
+    longest_velocity(p, jo_seen_speeds(d, f->state)[REACH], v);
+    jo_see_speed(d, f->state, v);
+}
+
 static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *out)
 {
     static const jo_force_work none = {{0.0}, 0.0, 0.0, 0.0};
@@ -138,22 +156,26 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     int any = 0;
     *out = none;
     for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES) {
+        const int first = f->state + JO_PAIR_STATES * i;
         if (!jo_pair_touches(state)) {
-            jo_contact_hold_states(m, d, stage, f->state + JO_PAIR_STATES * i, JO_PAIR_STATES);
-            if (stage->contacts) add_implicit(m, d, stage, f, f->state + JO_PAIR_STATES * i, &p, &t);
-            continue;
+            jo_contact_hold_states(m, d, stage, first, JO_PAIR_STATES);
+            if (stage->contacts) add_implicit(m, d, stage, f, first, &p, &t);
+            if (!jo_blows(d) || !jo_pair_is_listed(state)) continue;
         }
         if (!any++) read_motion(m, d, f, &p);
         present(f, &p, state, &t);
-        jo_contact_move_states(m, d, stage, &t.law, f->state + JO_PAIR_STATES * i, &t.y);
-        jo_contact_hold_states(m, d, stage, f->state + JO_PAIR_STATES * i + JO_PAIR_CODE, JO_PAIR_STATES - JO_PAIR_CODE);
-        if (stage->contacts) add_implicit(m, d, stage, f, f->state + JO_PAIR_STATES * i, &p, &t);
+        if (jo_blows(d)) jo_add_blow(d, first, t.y.lever, sum);
+        if (!jo_pair_touches(state)) continue;
+        jo_contact_move_states(m, d, stage, &t.law, first, &t.y);
+        jo_contact_hold_states(m, d, stage, first + JO_PAIR_CODE, JO_PAIR_STATES - JO_PAIR_CODE);
+        if (stage->contacts) add_implicit(m, d, stage, f, first, &p, &t);
         if (!(JO_RE(t.y.depth) > 0.0)) continue;
         jo_contact_force(&t.law, jo_contact_phase(state), &t.y, F, &d->power);
         out->stored += jo_contact_energy(&t.law, jo_contact_phase(state), &t.y);
         for (int k = 0; k < 6; k++) sum[k] += F[k];
     }
     if (any) jo_push_between(m, d, f, sum, out);
+    if (!any || p.mesh.triangles) see_apart(m, d, f, &p);
     return JO_OK;
 }
 
@@ -280,8 +302,10 @@ static jo_real update(const jo_model *m, const jo_data *d, const jo_force *f, jo
     for (int i = 0; i < jo_pair_points(f); i++) {
         jo_real *own = state + JO_PAIR_STATES * i;
         if (!jo_pair_is_listed(own)) continue;
+        const int apart = jo_contact_phase(own) == JO_CONTACT_APART;
         present(f, &p, own, &t);
-        jo_contact_update(&t.law, d->time[0], &t.y, own);
+        jo_contact_update(&t.law, jo_touches_wait(d), d->time[0], &t.y, own);
+        if (apart) jo_contact_begun(d, &t.law, f->state, own);
     }
     return before - energy(f, &p, state);
 }
@@ -350,6 +374,9 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
     pair p;
     point t;
     read_motion(m, d, f, &p);
+    to->seen = f->state;
+    to->convex = 0;
+    jo_seen_speeds(d, f->state)[REACH] = jo_pair_reach(&p);
     if (p.mesh.triangles) return jo_pair_approach_mesh(f, &p, state, to);
     if (!any_listed(f, state)) {
         approach_apart(&p, to);
@@ -379,5 +406,21 @@ static int jumps(const jo_force *f, const jo_real *before, const jo_real *after)
     return 0;
 }
 
-static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach};
+static int strikes(const jo_model *m, const jo_data *d, const jo_force *f, jo_strike *points, int room)
+{
+    const jo_real *state = states(d, f);
+    int found = 0;
+    pair p;
+    point t;
+    if (!jo_contact_may_strike(jo_contact_law_of(f)) || !any_listed(f, state)) return 0;
+    read_motion(m, d, f, &p);
+    for (int i = 0; i < jo_pair_points(f) && found < room; i++, state += JO_PAIR_STATES) {
+        if (!jo_pair_is_listed(state)) continue;
+        present(f, &p, state, &t);
+        found += jo_contact_strike(&t.law, jo_touches_wait(d), f, f->state + JO_PAIR_STATES * i, state, &t.y, points + found);
+    }
+    return found;
+}
+
+static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, strikes};
 const jo_force_kind jo_force_contact_pair = {apply, stored, tangent, start, nominals, &yielding};

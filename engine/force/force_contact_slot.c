@@ -90,5 +90,11 @@ static int slot_approach(const jo_model *m, const jo_data *d, const jo_force *f,
     return contact ? jo_force_contact.yielding->approach(m, d, contact, y) : 0;
 }
 
-static const jo_yielding yielding = {update_slot, slot_margin, slot_jumps, longest_step_of_slot, ease_slot, slot_approach};
+static int slot_strikes(const jo_model *m, const jo_data *d, const jo_force *f, struct jo_strike *list, int room)
+{
+    const jo_force *contact = jo_bound_force(d, f);
+    return contact ? jo_force_contact.yielding->strikes(m, d, contact, list, room) : 0;
+}
+
+static const jo_yielding yielding = {update_slot, slot_margin, slot_jumps, longest_step_of_slot, ease_slot, slot_approach, slot_strikes};
 const jo_force_kind jo_force_contact_slot = {apply, stored_in_slot, tangent, free_slot, slot_nominals, &yielding};

@@ -77,7 +77,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     jo_real F[6];
     jo_dual3 load[3][2];
     rider y;
-    present(m, d, f, state, &y);
+    if (present(m, d, f, state, &y) && jo_contact_phase(state) == JO_CONTACT_APART) jo_see_speed(d, f->state, y.at.v.v);
     jo_contact_move_states(m, d, stage, x, f->state, &y.point);
     jo_contact_hold_states(m, d, stage, f->state + JO_CONTACT_STATES, f->states - JO_CONTACT_STATES);
     *out = none;
@@ -195,7 +195,7 @@ static jo_real update(const jo_model *m, const jo_data *d, const jo_force *f, jo
 {
     rider y;
     if (present(m, d, f, states(d, f), &y)) state[JO_TRACK_PIECE] = jo_same(y.piece);
-    return jo_contact_update(jo_contact_law_of(f), d->time[0], &y.point, state);
+    return jo_contact_update(jo_contact_law_of(f), 0, d->time[0], &y.point, state);
 }
 
 static jo_real margin(const jo_model *m, const jo_data *d, const jo_force *f)
@@ -225,7 +225,8 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
     to->gap = -JO_RE(y.point.depth);
     to->rate = -JO_RE(y.point.rate);
     to->curvature = y.at.curvature;
-    to->face = 0;
+    to->face = to->convex = 0;
+    to->seen = f->state;
     for (int i = 0; i < 3; i++) to->v[i] = JO_RE(y.at.v.v[i]);
     return 1;
 }
@@ -236,5 +237,5 @@ static int jumps(const jo_force *f, const jo_real *before, const jo_real *after)
     return jo_contact_phase(before) != jo_contact_phase(after);
 }
 
-static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach};
+static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, 0};
 const jo_force_kind jo_force_contact_track = {apply, stored, tangent, start, nominals, &yielding};

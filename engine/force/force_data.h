@@ -5,6 +5,7 @@
 typedef struct {
     int nstate;             /* states of all forces, as in the model */
     int *yielding;          /* (nyielding) forces that yield */
+    double *seen;           /* (nstate) velocities of open gaps in the stages of a step, see jo_see_speed */
     struct jo_slopes_of_state *slopes;   /* (nstate) derivatives of states in a Rosenbrock method's matrix */
 } jo_forces;
 

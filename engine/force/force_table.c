@@ -94,6 +94,7 @@ void jo_state_nominals(const jo_model *m, double duration, double *x)
 void jo_force_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
     d->forces.yielding = jo_take_ints(a, m->nyielding);
+    d->forces.seen = jo_take_doubles(a, m->nyielding ? m->nstate : 0);
     d->forces.slopes = jo_take_many(a, m->nstate, sizeof *d->forces.slopes);
     jo_contact_sets_layout(m, d, a);
 }

@@ -3,6 +3,7 @@
 #include "maximal/maximal.h"
 #include "force/force.h"
 #include "friction/friction.h"
+#include "contact/contact.h"
 #include "integrate/event_parts.h"
 #include <limits.h>
 #include <string.h>
@@ -112,6 +113,29 @@ static int rows_switch(const jo_model *m, jo_data *d, int *chain)
     return status == JO_OK && d->events.logged != logged ? jo_watched_values(m, d, d->events.above) : status;
 }
 
+/* bodies strike each other at the present state: at a located instant until none strikes, or once at the end of a step of bounded work of
+ * length h */
+int jo_contacts_strike(const jo_model *m, jo_data *d, double h, int *chain)
+{
+    const int first = m->nevent + m->nfriction + m->nswitched;
+    int status = JO_OK, struck = 1, any = 0, which = 0;
+    jo_let_touches_wait(d, h > 0.0);
+    while (status == JO_OK && struck && !(any && h > 0.0)) {
+        double impulse;
+        status = jo_strike_all(m, d, h, &struck);
+        if (status != JO_OK || !struck) break;
+        any = 1;
+        jo_forces_jumped(d);
+        if (m->nfriction) status = jo_friction_initialise_states(m, d);
+        for (int k = 0; status == JO_OK && (which = jo_struck_force(d, k, &impulse)) >= 0; k++)
+            status = jo_log_entry(m, d, first + which, impulse, chain);
+    }
+    jo_let_touches_wait(d, 0);
+    if (!any || status != JO_OK) return status;
+    status = jo_accept_yielding_states(m, d, d->events.above);
+    return status == JO_OK ? jo_watched_values(m, d, d->events.above) : status;
+}
+
 /* events, friction transitions and rows that are switched at the present state */
 int jo_all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 {
@@ -122,6 +146,7 @@ int jo_all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
     jo_add_step_work(d);
     d->events.yields++;
     if (m->nyielding) status = jo_accept_yielding_states(m, d, d->events.above);
+    if (status == JO_OK && jo_has_impulses(d)) status = jo_contacts_strike(m, d, 0.0, chain);
     if (status == JO_OK) status = jo_events_happen(m, d, INT_MAX, stop, chain);
     if (status == JO_OK && m->nlock) {
         const int before = d->events.logged;

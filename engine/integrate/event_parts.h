@@ -30,6 +30,8 @@ int jo_log_entry(const jo_model *m, jo_data *d, int i, double value, int *chain)
 int jo_events_happen(const jo_model *m, jo_data *d, int rounds, int *stop, int *chain);
 int jo_all_happen(const jo_model *m, jo_data *d, int *stop, int *chain);
 
+int jo_contacts_strike(const jo_model *m, jo_data *d, double late, int *chain);
+
 /* event_step_ends.c */
 int jo_step_to_end(const jo_model *m, jo_data *d, const jo_solver *s);   /* one step, with all events at its end */
 

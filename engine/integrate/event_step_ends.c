@@ -96,6 +96,14 @@ static int settle(const jo_model *m, jo_data *d, double h, int *stop)
     return status == JO_OK && m->nlock ? frictions_settle(m, d, h, &chain) : status;
 }
 
+/* a gap that may have closed and opened again within the step stays unresolved, and is reported */
+static void note_doubts(const jo_model *m, jo_data *d, double h)
+{
+    jo_measure_gaps(m, d, 1);
+    const int doubtful = jo_doubtful_gap(m, d, h);
+    if (doubtful >= 0) jo_note_doubt(m, d, doubtful);
+}
+
 int jo_step_to_end(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const int first = !jo_levels_valid(d);
@@ -105,12 +113,20 @@ int jo_step_to_end(const jo_model *m, jo_data *d, const jo_solver *s)
     double length = s->step;
     if (status == JO_OK && jo_has_contact_sets(d)) status = jo_seek_contacts(m, d, &length);
     if (status == JO_OK && length < s->step) status = JO_TOO_MANY_CONTACTS;
+    if (m->nyielding && status == JO_OK) {
+        status = jo_yielding_ready(m, d);
+        jo_measure_gaps(m, d, 0);
+    }
     if (status == JO_OK) status = jo_one_step(m, d, s);
     if (status == JO_OK) status = jo_watched_values(m, d, d->events.above);
     if (status != JO_OK) return status;
     if (first) jo_set_first_sides(m, d, d->events.above);
-    if (jo_has_contact_sets(d) && !jo_found_all_contacts(m, d, s->step)) jo_note_doubt(m, d, m->nyielding);
+    if (m->nyielding) note_doubts(m, d, s->step);
+    int chain = 0;
+    jo_let_touches_wait(d, 1);
     if (m->nyielding) status = jo_accept_yielding_states(m, d, d->events.above);
+    jo_let_touches_wait(d, 0);
+    if (status == JO_OK && jo_has_impulses(d)) status = jo_contacts_strike(m, d, s->step, &chain);
     if (status == JO_OK && jo_any_crosses(m, d, d->events.above)) status = settle(m, d, s->step, &stop);
     if (status != JO_OK) return status;
     jo_accept_values(m, d, d->events.above);

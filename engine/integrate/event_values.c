@@ -83,7 +83,10 @@ int jo_accept_yielding_states(const jo_model *m, jo_data *d, double *g)
 {
     int status = jo_yielding_ready(m, d);
     if (status != JO_OK) return status;
-    if (jo_accept_yielding(m, d)) {
+    jo_brief_step(d, 0.0, 1);
+    const int jumped = jo_accept_yielding(m, d);
+    jo_brief_step(d, 0.0, 0);
+    if (jumped) {
         jo_state_changed(d);
         jo_forces_jumped(d);
     }

@@ -77,6 +77,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double le
     jo_solver part = *s;
     part.step = length;
     restore_state(d);
+    if (m->nyielding) jo_forget_speeds(m, d);
     const int status = jo_one_step(m, d, &part);
     return status == JO_OK ? jo_watched_values(m, d, g) : status;
 }
@@ -120,7 +121,7 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
 /* Shorten a step of *length to its first crossing, and then until no gap can have closed within it; *found: whether it ends at a crossing */
 static int first_crossing(const jo_model *m, jo_data *d, const jo_solver *s, double *length, int *found)
 {
-    for (;;) {
+    for (int halved = 0;; halved++) {
         *found = jo_any_crosses(m, d, d->events.above);
         if (*found) {
             for (int i = 0; i < jo_watched(m); i++) d->events.scale[i] = fabs(d->events.above[i] - d->events.level[i]);
@@ -130,7 +131,10 @@ static int first_crossing(const jo_model *m, jo_data *d, const jo_solver *s, dou
         if (!m->nyielding) return JO_OK;
         jo_measure_gaps(m, d, 1);
         const int doubtful = jo_doubtful_gap(m, d, *length);
-        if (doubtful < 0) return JO_OK;
+        if (doubtful < 0) {
+            jo_note_proof(d, halved, *found);
+            return JO_OK;
+        }
         if (*length < JO_TOUCH_RESOLUTION * s->step) {
             jo_note_doubt(m, d, doubtful);
             return JO_OK;
@@ -150,7 +154,7 @@ double jo_resolved(const jo_model *m, jo_data *d, int explicit_method)
 }
 
 /* One part of a step, of *length at most, up to the first event in it; *found: whether it ends at an event. */
-static int part_step(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found)
+static int part_step(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found, int *chain)
 {
     jo_solver part = *s;
     int status = jo_has_contact_sets(d) ? jo_seek_contacts(m, d, length) : JO_OK;
@@ -165,6 +169,7 @@ static int part_step(const jo_model *m, jo_data *d, const jo_solver *s, int firs
     status = first_crossing(m, d, s, length, found);
     if (status != JO_OK || *found) return status;
     if (m->nyielding) status = jo_accept_yielding_states(m, d, d->events.above);
+    if (status == JO_OK && jo_has_impulses(d)) status = jo_contacts_strike(m, d, 0.0, chain);
     if (status == JO_OK) jo_accept_values(m, d, d->events.above);
     return status;
 }
@@ -200,13 +205,14 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
     int chain = 0, first = !jo_levels_valid(d), found;
     d->events.yields = 0;
     jo_switched_step(d, end);
+    jo_brief_step(d, end, 0);
     int status = m->nlock ? jo_friction_initialise_states(m, d) : JO_OK;
     if (first && status == JO_OK) status = jo_events_start(m, d);
     while (status == JO_OK && end - done > time_resolution(d)) {
         double length = fmin(end - done, longest);
         if (m->nyielding) length = fmin(length, jo_resolved(m, d, explicit_forces(s)));
         const double wanted = length;
-        status = part_step(m, d, s, first, &length, &found);
+        status = part_step(m, d, s, first, &length, &found, &chain);
         if (status == JO_NO_CONVERGENCE && try_again(m, d, s, &longest, wanted)) {
             status = JO_OK;
             continue;
@@ -242,6 +248,7 @@ int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, 
 {
     *found = 0;
     jo_switched_step(d, *length);
+    jo_brief_step(d, *length, 0);
     int status = jo_watched_values(m, d, d->events.above);
     if (status != JO_OK) return status;
     if (first) jo_set_first_sides(m, d, d->events.above);
@@ -250,7 +257,9 @@ int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, 
     d->counts.steps = steps;
     if (status != JO_OK || *found) return status;
     d->events.yields = 0;
+    int chain = 0;
     if (m->nyielding) status = jo_accept_yielding_states(m, d, d->events.above);
+    if (status == JO_OK && jo_has_impulses(d)) status = jo_contacts_strike(m, d, 0.0, &chain);
     if (status == JO_OK) jo_accept_values(m, d, d->events.above);
     return status;
 }

@@ -5,29 +5,68 @@
 #include "contact/contact.h"
 #include "integrate/integrate.h"
 
+#define JO_PARABOLA 1.5     /* largest distance of a parabola from its chord over that of its mean from the middle of the chord */
+
 void jo_measure_gaps(const jo_model *m, jo_data *d, int at_end)
 {
     for (int k = 0; k < m->nyielding; k++) {
         jo_approach *y = d->events.near + 2 * k + at_end;
         if (!jo_yielding_approach(m, d, k, y)) y->gap = INFINITY;
     }
+    if (!at_end) jo_forget_speeds(m, d);
+}
+
+void jo_forget_speeds(const jo_model *m, jo_data *d)
+{
+    for (int k = 0; k < m->nyielding; k++) {
+        const jo_approach *y = d->events.near + 2 * k;
+        if (!(y->gap < INFINITY)) continue;
+        double *low = jo_seen_speeds(d, y->seen);
+        for (int i = 0; i < 3; i++) low[i] = low[3 + i] = y->v[i];
+    }
+}
+
+/* by how much the velocities of the stages are beyond those at the ends */
+static double beyond_ends(const jo_data *d, const jo_approach *a, const jo_approach *b)
+{
+    const double *low = jo_seen_speeds(d, a->seen), *high = low + 3;
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        const double below = fmin(a->v[i], b->v[i]) - low[i], above = high[i] - fmax(a->v[i], b->v[i]), x = fmax(0.0, fmax(below, above));
+        sum += x * x;
+    }
+    return sqrt(sum);
 }
 
 static double speed_of(const jo_approach *x) { return sqrt(x->v[0] * x->v[0] + x->v[1] * x->v[1] + x->v[2] * x->v[2]); }
 
+/* A convex function of the place: on a straight line its rate grows. Velocities that differ from those at the ends by at most `varied` change it by
+ * as much, so the gap is above two lines through its ends; the value where these meet. */
+static int may_touch_convex(const jo_approach *a, const jo_approach *b, double varied, double h)
+{
+    const double falls = varied - a->rate, rises = b->rate + varied;
+    if (falls <= 0.0 || rises <= 0.0) return 0;
+    const double t = (a->gap - b->gap + rises * h) / (falls + rises);
+    return !(a->gap - falls * fmin(fmax(t, 0.0), h) > 0.0);
+}
+
 /* Whether a gap that is open at the ends a and b of a step of length h may have been closed between them: it would have to shrink to 0 and
  * to open again. Its rate is n . v: at most the speed of the point, and at most the rates at the ends plus what acceleration and
- * curvature change; speeds between the ends exceed those at the ends by at most half of their difference. A gap that shrinks all
- * the time has not opened again. The rate is that over one face only as long as nothing beside it can come near. */
-static int may_have_closed(const jo_approach *a, const jo_approach *b, double h)
+ * curvature change. A gap that shrinks all the time has not opened again. The rate is that over one face only as long as nothing beside it can
+ * come near.
+ *
+ * Velocity within the step: the position is the cubic of Hermite through both ends, so the velocity is a parabola through v_a and v_b, whose
+ * distance from the line between them is at most 3/2 |c|, c: mean velocity less (v_a + v_b) / 2. The mean velocity is one of the stages', whose
+ * components are between those at the ends up to `beyond`: |c| <= |v_b - v_a| / 2 + beyond. */
+static int may_have_closed(const jo_approach *a, const jo_approach *b, double beyond, double h)
 {
     double change = 0.0;
     for (int i = 0; i < 3; i++) change += (b->v[i] - a->v[i]) * (b->v[i] - a->v[i]);
-    change = sqrt(change);
-    const double speed = fmax(speed_of(a), speed_of(b)) + 0.5 * change;
+    const double varied = JO_PARABOLA * (0.5 * sqrt(change) + beyond), speed = fmax(speed_of(a), speed_of(b)) + varied;
+    if (a->convex && b->convex) return may_touch_convex(a, b, varied, h);
     const int alone = a->face == b->face && a->clear + b->clear > h * speed;
     const double curved = alone ? fmax(a->curvature, b->curvature) : INFINITY, bent = curved > 0.0 ? speed * speed * curved * h : 0.0;
-    const double varies = 0.5 * change + bent;
+    const double varies = varied + bent;
     if (fmax(a->rate, b->rate) + varies < 0.0) return 0;
     return !(a->gap + b->gap > h * fmin(speed, fmax(0.0, fmax(-a->rate, -b->rate)) + varies));
 }
@@ -36,7 +75,7 @@ int jo_doubtful_gap(const jo_model *m, const jo_data *d, double h)
 {
     for (int k = 0; k < m->nyielding; k++) {
         const jo_approach *a = d->events.near + 2 * k, *b = a + 1;
-        if (a->gap < INFINITY && b->gap < INFINITY && b->gap > 0.0 && may_have_closed(a, b, h)) return k;
+        if (a->gap < INFINITY && b->gap < INFINITY && b->gap > 0.0 && may_have_closed(a, b, beyond_ends(d, a, b), h)) return k;
     }
     return jo_has_contact_sets(d) && !jo_found_all_contacts(m, d, h) ? m->nyielding : -1;
 }
@@ -59,3 +98,14 @@ long long jo_data_unproven(const jo_data *d, double *out)
     for (int i = 0; i < JO_DOUBT * count; i++) out[i] = d->events.doubts[i];
     return d->events.unproven;
 }
+
+void jo_note_proof(jo_data *d, int halved, int found)
+{
+    jo_proof *y = &d->events.proof;
+    if (found) y->events++;
+    else if (halved) y->advanced++;
+    else y->at_once++;
+    if (halved > y->most) y->most = halved;
+}
+
+const jo_proof *jo_data_proof(const jo_data *d) { return &d->events.proof; }

@@ -69,6 +69,7 @@ typedef struct {
     int *slip, *reversed;   /* (nfriction) slips before the transitions at the end of a step; whether a slip has reversed in it */
     double *since;          /* (nfriction) time from the end of a margin to the end of the step, s */
     struct jo_approach *near;   /* (2 nyielding) gaps at the start and at the end of the step */
+    jo_proof proof;         /* how steps were proven to miss no contact */
     long long unproven;     /* steps in which a gap may have closed for a moment shorter than can be resolved */
     double doubts[JO_DOUBT * JO_MOST_DOUBTS];   /* the first of them, see jo_data_unproven */
     int demanding;          /* whether watched sensors need accelerations */

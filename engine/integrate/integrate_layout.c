@@ -1,6 +1,7 @@
 /* integrate_layout.c - memory of the methods of integration and of events. */
 #include "integrate/integrate.h"
 #include "force/force.h"
+#include "contact/contact.h"
 
 /* the history of generalised alpha is part of the state */
 void jo_integrate_layout_state(const jo_model *m, jo_data *d, jo_arena *a)
@@ -54,5 +55,7 @@ void jo_integrate_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
     lay_adaptive(m, &d->adaptive, a);
     lay_events(m, d, a);
+    jo_brief_layout(m, d, a);
+    jo_impulse_layout(m, d, a);
     d->alpha.whole = jo_take_reals(a, m->nv + m->nrow);
 }

@@ -235,6 +235,14 @@ void jo_contact_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
     (void)m; (void)d; (void)a;
 }
+void jo_brief_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    (void)m; (void)d; (void)a;
+}
+void jo_impulse_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    (void)m; (void)d; (void)a;
+}
 void jo_contact_setup(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.mechanism.forces.contact import RESOLVE
 from jousto.model.model import ForceModel, Model
+from jousto.model.native.header import places
 
 STRETCH = "stretch "
 """Begin of the names of the states of a bristle: its stretch along three axes."""
@@ -18,6 +20,16 @@ SINCE = "since"
 def contacts(model: Model) -> list[ForceModel]:
     """Return the forces of a model by which bodies touch."""
     return [force for force in model.forces if force.kind.startswith("contact")]
+
+
+def resolved_by(model: Model, how: str) -> list[ForceModel]:
+    """Return the contacts of a model whose touches are resolved by "cut", "impulse" or "report"."""
+    found = []
+    for force in contacts(model):
+        field = places(f"jo_{force.kind.replace(' ', '_')}_data").get("resolve")
+        if field is not None and RESOLVE[int(np.real(force.data[field][0]))] == how:
+            found.append(force)
+    return found
 
 
 def contact_states(model: Model, begin: str) -> NDArray[np.intp]:

@@ -13,7 +13,16 @@ from jousto.mechanism.contacts.collision import Apart, CollisionShape
 from jousto.mechanism.contacts.effective_mass import mobility
 from jousto.mechanism.contacts.ellipsoid import Ellipsoid
 from jousto.mechanism.contacts.laws import ContactLaw, Hertz
-from jousto.mechanism.contacts.shapes import Capsule, Cuboid, Shape, Tip, Torus, reach, touching
+from jousto.mechanism.contacts.shapes import (
+    Capsule,
+    Cuboid,
+    Cylinder,
+    Shape,
+    Tip,
+    Torus,
+    reach,
+    touching,
+)
 
 KINDS = 9
 """Number of types of shapes in ``jo_shape_type`` of the engine."""
@@ -46,6 +55,8 @@ def curvatures(shape: Shape) -> tuple[float, float]:
         return 0.5 / shape.radius, 1.0 / shape.radius
     if isinstance(shape, Cuboid):
         return 0.0, 1.0 / min(shape.size)
+    if isinstance(shape, Cylinder):
+        return 0.5 / shape.radius, 1.0 / min(shape.size)
     if isinstance(shape, Torus):
         mean = 0.5 / (shape.tube or shape.radius) + 0.5 / (shape.radius + shape.tube)
         return mean, mean
@@ -78,15 +89,16 @@ def touching_table(shapes: Iterable[Shape]) -> Array:
 
 
 def law_row(law: ContactLaw, friction: tuple[float, float], shear: float) -> Array:
-    """Return the numbers of a law (11,) as in ``jo_law_row`` of the engine."""
+    """Return the numbers of a law (12,) as in ``jo_law_row`` of the engine."""
     usual = {"damping": 0.0, "slowest": 1.0, "viscous": 0.0, "full": 0.0}
     x = usual | law.numbers(1.0)
     kinetic, static = friction
     hertz = float(isinstance(law, Hertz))
     names = ("stiffness", "exponent", "damping", "slowest", "viscous", "full")
     bristle = shear if static else 0.0
+    loss = getattr(law, "restitution", 0.0)
     return np.array(
-        [hertz, *(x[key] for key in names), static, kinetic, bristle, span(x["exponent"])]
+        [hertz, *(x[key] for key in names), static, kinetic, bristle, span(x["exponent"]), loss]
     )
 
 
@@ -96,7 +108,7 @@ def shape_rows(
     surfaces: Sequence[int],
     groups: Sequence[int],
 ) -> tuple[Array, Array]:
-    """Return rows of the shapes (ns, 14) and of their tips (nt, 6) as in the engine."""
+    """Return rows of the shapes (ns, 14) and of their tips (nt, 7) as in the engine."""
     rows = np.zeros((len(shapes), 14))
     tips: list[tuple[float, ...]] = []
     for i, one in enumerate(shapes):
@@ -110,8 +122,8 @@ def shape_rows(
             mobility(one.marker, far),
             *(surfaces[i], groups[i]),
         )
-        tips += [(i, *tip.centre, tip.radius, tip.ring) for tip in shape.tips]
-    return rows, np.array(tips, dtype=float).reshape(-1, 6)
+        tips += [(i, *tip.centre, tip.radius, tip.ring, tip.place) for tip in shape.tips]
+    return rows, np.array(tips, dtype=float).reshape(-1, 7)
 
 
 def group_table(groups: Mapping[str, int], apart: Sequence[Apart]) -> Array:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from math import hypot, inf
+from math import hypot, inf, pi
 from typing import Any, ClassVar
 
 import numpy as np
@@ -28,6 +28,8 @@ from jousto.mechanism.contacts.triangles import Triangles
 
 FLAT = 2.0
 """Half the side of the square that shows a half-space, m."""
+RIM = 4
+"""Points of the rim of a cylinder that touch a plane on which it stands."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +44,20 @@ class Tip:
         Radius of the sphere, m; 0 for a corner.
     ring : float
         Radius of the circle about z on which the sphere is wherever it touches, m; 0: none.
+    around : float, optional
+        Angle on this circle from its lowest point, rad, of one of several points; None: the only
+        one.
     """
 
     centre: tuple[float, float, float]
     radius: float
     ring: float = 0.0
+    around: float | None = None
+
+    @property
+    def place(self) -> float:
+        """The angle plus 1 as in the engine; 0 for the only point."""
+        return 0.0 if self.around is None else 1.0 + self.around
 
 
 class Shape(Declared, section="contact shapes", by_value=True):
@@ -265,6 +276,15 @@ class Cylinder(Shape, tag="cylinder"):
     def size(self) -> tuple[float, ...]:
         """Radius, and half the length."""
         return (self.radius, 0.5 * self.length)
+
+    @property
+    def tips(self) -> tuple[Tip, ...]:
+        """Four points of the rim of each end, which turn with its lowest point."""
+        half = 0.5 * self.length
+        quarters = (0.5 * pi * i for i in range(RIM))
+        return tuple(
+            Tip((0.0, 0.0, z), 0.0, self.radius, a) for a in quarters for z in (-half, half)
+        )
 
     @property
     def triangles(self) -> Array:

@@ -6,7 +6,7 @@ from math import gamma, hypot, pi, sqrt
 from typing import Any
 
 from jousto.base.errors import Problems
-from jousto.base.fields import field
+from jousto.base.fields import Choice, field
 from jousto.base.numbers import DefaultNumber, Number
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.contacts.effective_mass import mobility
@@ -34,8 +34,15 @@ POINT_STATES = STATES | {"features": "1", "weight": "1"}
 """States of a point of two polytopes: also which features touch, and its share of the stiffness."""
 LAW_NUMBERS = (
     *("stiffness", "exponent", "damping", "slowest", "viscous", "full"),
-    *("shear", "mass", "duration"),
+    *("shear", "mass", "duration", "resolve", "restitution"),
 )
+RESOLVE = ("cut", "impulse", "report")
+"""How a touch is resolved, in the order of ``JO_RESOLVE_CUT`` of the engine."""
+RESOLVES = (
+    "How a touch is resolved: cut into 20 steps, replaced by an impulse in an instant, or "
+    "reported if it is too short for the step"
+)
+"""Description of the field `resolve`."""
 
 
 def _point_states(points: int) -> dict[str, str]:
@@ -50,7 +57,7 @@ def _point_states(points: int) -> dict[str, str]:
 EngineLaw(
     "contact",
     units={"mu_static": "1", "mu_kinetic": "1"},
-    constants=("shape", "size", "centre", "radius", "ring", *LAW_NUMBERS),
+    constants=("shape", "size", "centre", "radius", "ring", "around", *LAW_NUMBERS),
     states=STATES,
     between=True,
     fast={"contacts": ()},
@@ -129,6 +136,8 @@ class Contact(ForceElement, tag="contact"):
         kw_only=True,
     )
 
+    resolve: Choice = field(RESOLVES, words=RESOLVE, default="cut", kw_only=True)
+
     def __post_init__(self) -> None:
         default_static(self)
         super().__post_init__()
@@ -159,6 +168,8 @@ class Contact(ForceElement, tag="contact"):
                 f"sphere, not {self.shape_a.tag} and {self.shape_b.tag}; give a PowerLaw",
                 "law",
             )
+        if self.resolve == "impulse":
+            check_restitution(problems, where, self.law)
         if self.mu_static < self.mu_kinetic:
             problems.add(
                 where, f"mu_static {self.mu_static:g} is below mu_kinetic {self.mu_kinetic:g}"
@@ -225,6 +236,8 @@ class Contact(ForceElement, tag="contact"):
             "mu_static": self.mu_static,
             "mu_kinetic": self.mu_kinetic,
             "shear": self.shear if self.mu_static else 0.0,
+            "resolve": RESOLVE.index(self.resolve),
+            "restitution": getattr(self.law, "restitution", 0.0),
             "mass": mass,
             "duration": duration(mass, law["stiffness"], law["exponent"]),
         }
@@ -237,6 +250,7 @@ class Contact(ForceElement, tag="contact"):
             "centre": tip.centre,
             "radius": tip.radius,
             "ring": tip.ring,
+            "around": tip.place,
             **self._numbers(hypot(*tip.centre) + tip.radius + tip.ring),
         }
         return Push("contact", data, a=a, b=b, states=tuple(STATES))
@@ -252,6 +266,17 @@ class Contact(ForceElement, tag="contact"):
             a=a,
             b=b,
             states=tuple(_point_states(most_points(on, of))),
+        )
+
+
+def check_restitution(problems: Problems, where: str, law: Any) -> None:
+    """Report a law without a coefficient of restitution, which an impulse needs."""
+    if not hasattr(law, "restitution"):
+        problems.add(
+            where,
+            f"resolve='impulse' needs a law with a restitution, not {type(law).__name__}; give a "
+            "PowerLaw or Hertz",
+            "resolve",
         )
 
 

@@ -36,7 +36,7 @@ from jousto.mechanism.contacts.pair_tables import (
     touching_table,
 )
 from jousto.mechanism.forces.base import ForceElement, Packed, Push
-from jousto.mechanism.forces.contact import SHEAR, STATES
+from jousto.mechanism.forces.contact import RESOLVE, RESOLVES, SHEAR, STATES, check_restitution
 from jousto.mechanism.forces.law import EngineLaw
 
 SLOT = {"touched": "1", "tip": "1"} | STATES
@@ -54,7 +54,7 @@ SHOWN = 3
 
 EngineLaw(
     "contact set",
-    constants=("shapes", "tips", "surfaces", "groups", "excluded", "slots"),
+    constants=("shapes", "tips", "surfaces", "groups", "excluded", "slots", "resolve"),
     between=True,
     fast={"contacts": ()},
 ).declared()
@@ -162,6 +162,8 @@ class Contacts(ForceElement, tag="contacts"):
         kw_only=True,
     )
 
+    resolve: Choice = field(RESOLVES, words=RESOLVE, default="cut", kw_only=True)
+
     def __post_init__(self) -> None:
         default_static(self)
         super().__post_init__()
@@ -216,6 +218,8 @@ class Contacts(ForceElement, tag="contacts"):
                 "law",
             )
         for (a, b), pair in self.laws.items() if not problems.found else ():
+            if self.resolve == "impulse":
+                check_restitution(problems, where, pair.law)
             kinetic, static = pair.friction
             if static < kinetic:
                 named = f"{a or 'no surface'} and {b or 'no surface'}"
@@ -351,7 +355,7 @@ class Contacts(ForceElement, tag="contacts"):
         rows, tips = shape_rows(
             self.shapes, places, kinds, [self.groups[one.group] for one in self.shapes]
         )
-        laws = np.zeros((len(names), len(names), 11))
+        laws = np.zeros((len(names), len(names), 12))
         for (a, b), pair in self.laws.items():
             numbers = law_row(pair.law, pair.friction, self.shear)
             laws[index[a], index[b]] = laws[index[b], index[a]] = numbers
@@ -359,9 +363,10 @@ class Contacts(ForceElement, tag="contacts"):
         joined = [] if self.joined else joined_bodies(builder.joined_bodies())
         apart = excluded_keys(self.shapes, self.groups, self.apart, joined, body_of)
         sizes = (len(rows), len(tips), len(names), len(meets), len(apart), self.slots)
+        how = RESOLVE.index(self.resolve)
         touching = touching_table(one.shape for one in self.shapes)
         parts: list[Array] = [
-            np.array(sizes, dtype=float),
+            np.array((*sizes, how), dtype=float),
             rows,
             tips,
             laws,

@@ -287,6 +287,8 @@ class TrackContact(ForceElement, tag="track-contact"):
             "shear": self.shear if self.mu_static else 0.0,
             "mass": mass,
             "duration": duration(mass, law["stiffness"], law["exponent"]),
+            "resolve": 0.0,
+            "restitution": 0.0,
             "radius": self.radius,
             "count": len(self.pieces),
         }

@@ -100,6 +100,13 @@ def failure(model: Model, status: str, index: int, cause: BaseException | None =
             "use a method with a fixed step such as ROS2",
         )
     rows = index - len(model.events) - len(model.frictions)
+    if status == "endless" and rows >= len(model.switched) and rows >= 0:
+        struck = model.forces[rows - len(model.switched)].name
+        return Problem(
+            f"contact '{struck}'",
+            "strikes many times in one instant; take resolve='cut', or a larger `slowest` of its "
+            "law, below which a touch does not rebound",
+        )
     if status == "endless" and rows >= 0 and model.switched:
         return Problem(
             f"stop or lock '{model.switched[rows].name}'",

@@ -228,6 +228,25 @@ class Engine:
         count = lib.jo_data_unproven(self._data, self._ffi.cast("double *", out.ctypes.data))
         return int(count), out[:count]
 
+    def brief_touches(self) -> tuple[int, NDArray[np.float64]]:
+        """Return the number of reported touches so far that last for less than 10 steps.
+
+        The first of them are rows (k, 3): time, s; first state of the contact; duration, s.
+        """
+        lib = self._library
+        out = np.zeros((lib.JO_MOST_BRIEF, lib.JO_BRIEF))
+        count = lib.jo_data_brief(self._data, self._ffi.cast("double *", out.ctypes.data))
+        return int(count), out[:count]
+
+    @property
+    def proof(self) -> Any:
+        """Number of parts of steps that were proven to miss no contact.
+
+        ``at_once``; ``advanced``, after halvings of their length; ``events``, up to an event;
+        ``most``: largest number of halvings.
+        """
+        return self._library.jo_data_proof(self._data)
+
     def accelerations(self) -> tuple[Scalars, Scalars]:
         """Compute and return a (nv,) and lam (nrow,) at time, q, v."""
         self._check(self._library.jo_accelerations(self._model, self._data))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from jousto.base.arrays import read_only
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
+from jousto.simulation.contacts import resolved_by
 
 NOTHING = read_only(np.zeros((0, 4)))  # no events
 ROW_CHANGES = ("closes", "opens")  # an impulse, at least 0, or -1 of the engine's log
@@ -18,7 +19,7 @@ FRICTION_CHANGES = ("sticks", "slips forward", "slips backward")  # 0, 1, -1 of 
 
 @dataclass(frozen=True)
 class Happening:
-    """Event, stick-slip transition, or impact of a rigid stop or lock of a run.
+    """Event, stick-slip transition, or impact of a rigid stop, a lock or a contact of a run.
 
     Attributes
     ----------
@@ -28,13 +29,15 @@ class Happening:
         Name of the event, friction, stop or lock.
     change : str
         "rising" or "falling" of the watched value; "sticks", "slips forward" or "slips backward"
-        of friction, along its coordinate; "closes" or "opens" of a stop or lock.
+        of friction, along its coordinate; "closes" or "opens" of a stop or lock; "closes" of a
+        contact that strikes by an impulse.
     count : int
         Number of occurrences of this event since the start, this one included.
     joint : str
         Joint of the friction; empty for others.
     impulse : float
-        Impulse of a stop or lock that closes, N s or N m s along its coordinate; 0 for others.
+        Impulse of a stop or lock that closes, N s or N m s along its coordinate, or of a contact
+        along its normal, N s; 0 for others.
     """
 
     time: float
@@ -62,18 +65,28 @@ def ordinal(count: int) -> str:
 
 
 def sources(model: Model) -> list[str]:
-    """Return the sources of the event log: events, frictions that stick, then stops and locks."""
+    """Return the sources of the event log.
+
+    Events, frictions that stick, stops and locks, then all forces if contacts strike by impulses.
+    """
     names = [event.name for event in model.events]
-    if any(friction.sticks for friction in model.frictions) or model.switched:
+    struck = strikers(model)
+    if any(friction.sticks for friction in model.frictions) or model.switched or struck:
         names += [friction.name for friction in model.frictions]
-    return names + [row.name for row in model.switched]
+    return names + [row.name for row in model.switched] + struck
+
+
+def strikers(model: Model) -> list[str]:
+    """Return the names of all forces if any of them strikes by impulses, else none."""
+    return [force.name for force in model.forces] if resolved_by(model, "impulse") else []
 
 
 def joints_of(model: Model) -> list[str]:
     """Return the joint of each source of the event log; an empty name for other sources."""
     joints = [model.joints[friction.joint].name for friction in model.frictions]
-    frictions = len(sources(model)) - len(model.events) - len(model.switched)
-    return ["" for _ in model.events] + joints[:frictions] + ["" for _ in model.switched]
+    others = len(model.switched) + len(strikers(model))
+    frictions = len(sources(model)) - len(model.events) - others
+    return ["" for _ in model.events] + joints[:frictions] + [""] * others
 
 
 def change_of(is_event: bool, is_friction: bool, value: float) -> str:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from jousto.base.errors import InputError, Problem
 from jousto.model.model import Model
-from jousto.simulation.contacts import contacts
+from jousto.simulation.contacts import contacts, resolved_by
 from jousto.simulation.solvers.base import Solver
+from jousto.simulation.solvers.rosenbrock import ROS2
 
 
 def check_bounded(model: Model, solver: Solver) -> None:
     """Raise an error if a model cannot be stepped with bounded work.
 
-    A contact takes shorter steps while it touches, as many as it needs; a rigid stop or lock ends a
-    step at its impact.
+    A contact takes shorter steps while it touches, as many as it needs, unless it strikes by
+    impulses and the method has closed contacts in its matrix; a rigid stop or lock ends a step at
+    its impact.
 
     Raises
     ------
@@ -22,13 +24,17 @@ def check_bounded(model: Model, solver: Solver) -> None:
     if not solver.bounded:
         return
     name = type(solver).__name__
+    impulses = {force.name for force in resolved_by(model, "impulse")}
+    implicit = isinstance(solver, ROS2)
     problems = [
         Problem(
             f"force {touch!r}",
             f"is a contact, which takes shorter steps while it touches, but {name} has "
-            'events="step", whose work is bounded; take events="located", or a Stop',
+            'events="step", whose work is bounded; take resolve="impulse" of the contact and ROS2, '
+            'or events="located", or a Stop',
         )
         for touch in dict.fromkeys(force.name for force in contacts(model))
+        if not (implicit and touch in impulses)
     ]
     problems += [
         Problem(
