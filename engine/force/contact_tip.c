@@ -133,7 +133,8 @@ static int is_convex(const jo_contact_data *x)
     case JO_SHAPE_SPHERE:
     case JO_SHAPE_CAPSULE:
     case JO_SHAPE_BOX:
-    case JO_SHAPE_CYLINDER: return !(JO_RE(x->ring) > 0.0);
+    case JO_SHAPE_CYLINDER:
+    case JO_SHAPE_ELLIPSOID: return !(JO_RE(x->ring) > 0.0);
     default: return 0;
     }
 }
