@@ -53,3 +53,27 @@ def test_a_program_rolls(tmp_path: Path) -> None:
     want = expected(model, jo.simulate(model, 0.2, solver=solver, output_step=0.02))
     assert np.abs(found - want).max() < 1e-9
     assert np.abs(np.diff(want, axis=0)).max() > 0.01
+
+
+@pytest.mark.filterwarnings("ignore::jousto.JoustoWarning")
+def test_a_program_steers_a_wheelset(tmp_path: Path) -> None:
+    """Two conical wheels on rails: joints that share a body, whose table has the name of a type."""
+    axle = jo.RigidBody(
+        "axle", 1200.0, (700, 100, 700), position=(0, 0, 0.46), velocity=(20, 0.05, 0),
+        angular_velocity=(0, 20 / 0.46, 0),
+    )  # fmt: skip
+    wheels = [
+        jo.mechanism.RailWheel(
+            *(name, jo.ground.at((0, y, 0)), axle.at((0, y, 0)), 0.46, cone), axle=(0, 1, 0)
+        )
+        for name, y, cone in (("left", 0.75, -0.05), ("right", -0.75, 0.05))
+    ]
+    p = jo.PositionSensor("p", axle["origin"])
+    items = (axle, *wheels, p, jo.Gravity((0, 0, -9.81)))
+    model = jo.compile(jo.Mechanism(*items), core="maximal")
+    solver = jo.RK4(step=1e-3)
+    write_program(model, tmp_path / "axle.c", solver)
+    found = table(compiled(tmp_path, "axle.c", flags=(*PLAIN, "-DMAIN")), "0.2", "10")
+    want = expected(model, jo.simulate(model, 0.2, solver=solver, output_step=0.02))
+    assert np.abs(found - want).max() < 1e-9
+    assert np.ptp(want[:, 2]) > 1e-3

@@ -110,7 +110,9 @@ def complex_build(files: dict[str, str], plant: str) -> dict[str, str]:
 FOLDER = re.compile(r'^#include "\w+/', flags=re.MULTILINE)
 INCLUDE = re.compile(r'^#include "([^"]+)".*$', flags=re.MULTILINE)
 STATIC = re.compile(r"^static [\w *]*?\b(\w+)(?:\(|\[| =)", flags=re.MULTILINE)
-TYPE = re.compile(r"^(?:\} (\w+);|typedef struct \{[^{}]*\} (\w+);)", flags=re.MULTILINE)
+TYPE = re.compile(
+    r"^(?:\} (\w+);|typedef struct \{[^{}]*\} (\w+);|typedef \w+ (\w+);)", flags=re.MULTILINE
+)
 ENUM = re.compile(r"^enum \{ ([^}]*) \};", flags=re.MULTILINE)
 DEFINE = re.compile(r"^#define (\w+)", flags=re.MULTILINE)
 
@@ -158,7 +160,8 @@ def join_files(files: dict[str, str], known: dict[str, str]) -> str:
 def _own(text: str) -> set[str]:
     """Return the internal names of a file: static functions and data, types, enums, macros."""
     found = set(STATIC.findall(text))
-    found |= {a or b for a, b in TYPE.findall(text)}
+    found |= {a or b or c for a, b, c in TYPE.findall(text)}
     for names in ENUM.findall(text):
-        found |= set(re.findall(r"\b([A-Za-z_]\w*)", re.sub(r"/\*.*?\*/", "", names)))
+        names = re.sub(r"/\*.*?\*/|=[^,]*", "", names)  # without comments and values
+        found |= set(re.findall(r"\b([A-Za-z_]\w*)", names))
     return found
