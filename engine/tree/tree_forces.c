@@ -94,7 +94,7 @@ static void update_coordinates(const jo_model *m, jo_data *d)
 /* link of a force with states that a Rosenbrock method treats implicitly: one along a joint coordinate whose motion is not prescribed; else 0 */
 static const jo_link *implicit_link(const jo_model *m, const jo_data *d, const jo_force *f)
 {
-    const int link = f->state >= 0 && m->nstate ? m->coordinate[f->coordinate].link : -1;
+    const int link = f->state >= 0 && f->coordinate >= 0 ? m->coordinate[f->coordinate].link : -1;
     if (link < 0 || jo_link_is_prescribed(d, &m->link[link]) || jo_released(d, f->release)) return 0;
     return &m->link[link];
 }
