@@ -110,6 +110,18 @@ def test_bodies_without_a_joint_to_their_parent_are_one_body(tmp_path):
     assert pairs_of(machine) == set()  # only neighbours are near
 
 
+def test_a_body_with_several_joints_does_not_touch_its_parent(tmp_path):
+    """Between them is a link without mass; the shapes overlap."""
+    text = """<mujoco><worldbody><body name="a" pos="0 0 1"><freejoint/><geom name="a" size=".1"/>
+    <body name="b" pos="0 0 .1"><joint axis="1 0 0"/><joint axis="0 1 0"/>
+    <geom name="b" size=".1"/></body></body></worldbody></mujoco>"""
+    robot = read_mjcf(write(tmp_path / "model.xml", text))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".*has no mass")
+        machine = mechanism(robot, contact=True)
+    assert pairs_of(machine) == set()
+
+
 def test_larger_friction_of_both(tmp_path):
     text = MASKS.replace('size=".1" contype="1"', 'size=".1" friction=".3" contype="1"')
     path = write(tmp_path / "model.xml", text.format(a=3, b=1, more=""))

@@ -99,10 +99,28 @@ def excluded_groups(shapes: Sequence[Collision]) -> list[Apart]:
 
 
 def excluded_links(robot: Robot, found: Sequence[tuple[str, Collision]]) -> list[Apart]:
-    """Return the pairs of shapes whose bodies the file excludes."""
+    """Return the pairs of shapes of bodies that the file excludes, and of neighbours."""
     on: dict[str, list[str]] = {}
     for _, one in found:
         on.setdefault(one.body, []).append(one.name)
-    return [
-        Apart(a, b) for x, y in robot.apart for a in on.get(x, ()) for b in on.get(y, ()) if a != b
-    ]
+    bodies = [*robot.apart, *neighbours(robot)]
+    return [Apart(a, b) for x, y in bodies for a in on.get(x, ()) for b in on.get(y, ()) if a != b]
+
+
+def neighbours(robot: Robot) -> list[tuple[str, str]]:
+    """Return the bodies with only links without mass and shapes between them.
+
+    A body with several joints has such links. Their joints do not connect the two bodies.
+    """
+    above = {joint.child: joint.parent for joint in robot.joints}
+    links = {link.name: link for link in robot.links}
+    found = []
+    for link in robot.links:
+        name = above.get(link.name)
+        while name is not None and not (links[name].mass or links[name].collisions):
+            name = above.get(name)
+        if name is None or name == above[link.name]:
+            continue
+        upper, lower = ({one.body for one in x.collisions} for x in (links[name], link))
+        found += [(a, b) for a in upper for b in lower]
+    return found
