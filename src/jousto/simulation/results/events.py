@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from jousto.base.arrays import read_only
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
-from jousto.simulation.contacts import resolved_by
 
 NOTHING = read_only(np.zeros((0, 4)))  # no events
 ROW_CHANGES = ("closes", "opens")  # an impulse, at least 0, or -1 of the engine's log
@@ -78,6 +77,8 @@ def sources(model: Model) -> list[str]:
 
 def strikers(model: Model) -> list[str]:
     """Return the names of all forces if any of them strikes by impulses, else none."""
+    from jousto.simulation.contacts import resolved_by  # readers of results need no contacts
+
     return [force.name for force in model.forces] if resolved_by(model, "impulse") else []
 
 
