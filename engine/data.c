@@ -5,6 +5,7 @@
 #include "newton/newton.h"
 #include "force/force.h"
 #include "contact/contact.h"
+#include "network/network.h"
 #include "beam/beam.h"
 #include "friction/friction.h"
 #include "tree/tree.h"
@@ -52,6 +53,7 @@ static jo_data *lay_out(const jo_model *m, jo_arena *a)
     jo_maximal_layout(m, d, a);
     jo_force_layout(m, d, a);
     jo_contact_layout(m, d, a);
+    jo_networks_layout(m, d, a);
     jo_beam_layout(m, d, a);
     jo_newton_layout(m, d, a);
     jo_friction_layout(m, d, a);
@@ -92,6 +94,7 @@ static jo_data *place(const jo_model *m, void *memory)
     jo_joint_setup(m, d, 0);
     jo_force_setup(m, d);
     jo_contact_setup(m, d);
+    jo_networks_setup(m, d);
     if (jo_watched(m)) jo_event_setup(m, d);
     if (m->nmeter) jo_damage_setup(m, d);
     for (int i = 0; i < m->nmarker; i++) {   /* ground markers are constant */

@@ -7,6 +7,7 @@
 #include "newton/newton_data.h"
 #include "force/force_data.h"
 #include "contact/contact_data.h"
+#include "network/network_data.h"
 #include "beam/beam_data.h"
 #include "friction/friction_data.h"
 #include "tree/tree_data.h"
@@ -58,6 +59,7 @@ struct jo_data {
     jo_forces forces;
     jo_contacts contacts;
     jo_contact_sets contact_sets;
+    jo_networks networks;
     jo_beams beams;
     jo_anderson friction;
     jo_tree tree;

@@ -66,6 +66,7 @@ typedef double jo_real;
     ROW(contact_track, JO_CONTACT_LAW, JO_TOUCH_LAW, radius, count) \
     ROW(tyre, radius, stiffness, damping, relaxation[2], lead, slow, sink, resistance, law, mu, half_length, load, cx, cy, \
         longitudinal[9], lateral[13], aligning[14], peak[2]) \
+    ROW(network, number, states, coordinates, signals, constants, values, instructions, pushes, slopes) \
     /* the last row */
 
 /* Methods of integration, a row each: ROW(name, family, order, stages, coefficients), which the Python binding reads, too. A row makes
@@ -122,7 +123,7 @@ typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_J
 } jo_status;
 typedef enum { JO_SIGNAL_CONSTANT = 0, JO_SIGNAL_HARMONIC = 1, JO_SIGNAL_TABLE = 2, JO_SIGNAL_STEP = 3,
                JO_SIGNAL_PIECES = 4, JO_SIGNAL_SUM = 5, JO_SIGNAL_PRODUCT = 6, JO_SIGNAL_INPUT = 7,
-               JO_SIGNAL_SWITCHED = 8, JO_SIGNAL_SPEED = 9 } jo_signal_type;
+               JO_SIGNAL_SWITCHED = 8, JO_SIGNAL_SPEED = 9, JO_SIGNAL_NETWORK = 10 } jo_signal_type;
 typedef enum { JO_COORDINATE_AXES = 1,        /* (axis_a of a) . (axis_b of b) */
                JO_COORDINATE_ALONG = 2,       /* (axis_a of a) . (r_b - r_a), m */
                JO_COORDINATE_DISTANCE = 3,    /* |r_b - r_a|, m */
@@ -144,6 +145,10 @@ typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTA
                JO_SENSOR_DEFORMATION_MOMENTUM = 24,
                JO_SENSOR_FORCE_STATE = 25,
                JO_SENSOR_BODY_LOAD = 26, JO_SENSOR_MODAL_LOAD = 27 } jo_sensor_type;
+/* operations of the programs of networks, see network_program.c */
+typedef enum { JO_DO_add = 0, JO_DO_subtract = 1, JO_DO_multiply = 2, JO_DO_divide = 3, JO_DO_sqrt = 4, JO_DO_exp = 5, JO_DO_log = 6,
+               JO_DO_sin = 7, JO_DO_cos = 8, JO_DO_atan = 9, JO_DO_tanh = 10, JO_DO_power = 11, JO_DO_minimum = 12, JO_DO_maximum = 13,
+               JO_DO_select = 14 } jo_do;
 typedef enum { JO_ENERGY_KINETIC = 0, JO_ENERGY_STRAIN = 1, JO_ENERGY_POTENTIAL = 2, JO_ENERGY_SPRINGS = 3,
                JO_ENERGY_DISSIPATED = 4, JO_ENERGY_FRICTION = 5, JO_ENERGY_WORK = 6 } jo_energy_kind;
 typedef enum { JO_LOAD_JOINT = 0, JO_LOAD_APPLIED = 1, JO_LOAD_FRICTION = 2, JO_LOAD_GRAVITY = 3, JO_LOAD_INERTIA = 4,

@@ -140,6 +140,7 @@ static inline void jo_axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x
 
 #ifndef JO_VECTOR
 static inline jo_real jo_size(jo_real x) { return JO_RE(x) < 0.0 ? -x : x; }   /* |x|, with its derivative */
+static inline int jo_whole(jo_real x) { return (int)JO_RE(x); }
 static inline double jo_length(const jo_real *x, int n)
 {
     double sum = 0.0;

@@ -68,6 +68,7 @@ def calls(folder: Path) -> dict[str, Call]:
         _recovery,
         _fatigue,
         _twins,
+        _states,
         _studies,
         _design,
         _robots,
@@ -647,6 +648,27 @@ def _twins(made: Made, folder: Path) -> list[Call]:
         (jo.monitor.ChannelRules, {}),
         (jo.monitor.watch, {"monitor": watched.monitor(), "source": data, "path": folder / "w.h5"}),
         (jo.monitor.MonitorRecord, {"path": made["watched"].path}),
+    ]
+
+
+def _states(made: Made, _: Path) -> list[Call]:
+    words = jo.mechanism
+    hinge = made["mechanism"].joints[0]
+    x = words.value(hinge.angle)
+    one = [
+        (getattr(words, name), {"x": x})
+        for name in ("absolute", "atan", "cos", "exp", "log", "sin", "smooth_step", "sqrt", "tanh")
+    ]
+    return [
+        *one,
+        (words.minimum, {"a": x, "b": 1.0}),
+        (words.maximum, {"a": x, "b": 1.0}),
+        (words.where, {"x": x, "positive": 1.0, "otherwise": 2.0}),
+        (words.clip, {"x": x, "low": 0.0, "high": 1.0}),
+        (words.value, {"coordinate": hinge.angle}),
+        (words.rate, {"coordinate": hinge.angle}),
+        (words.States, {"name": "s", "initial": {"x": 0.0}, "rates": {"x": 1.0}}),
+        (words.StateSensor, {"name": "s", "of": x}),
     ]
 
 

@@ -114,6 +114,7 @@ def machine(found: Objects, folder: Path) -> Objects:
     model = jo.compile(mechanism)
     return {
         "mechanism": mechanism,
+        "expression": jo.mechanism.rate(hinge.angle),
         "model": model,
         "engine": jo.model.Engine(model),
         "doctor": jo.doctor(model),

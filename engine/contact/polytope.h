@@ -25,7 +25,6 @@ static inline double jo_unit3d(double *n)
         for (int i = 0; i < 3; i++) n[i] /= length;
     return length;
 }
-static inline int jo_whole(jo_real x) { return (int)JO_RE(x); }
 
 /* polytope.c: resolved in the frame of the first shape of a pair */
 void jo_polytope_vertex(const jo_polytope *p, int i, double *y);

@@ -2,6 +2,7 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "beam/beam.h"
+#include "network/network.h"
 #include "tree/tree.h"
 #include "integrate/integrate.h"
 
@@ -38,7 +39,7 @@ const jo_tableau *jo_method_tableau(int method) { return &table[method].tableau;
 int jo_takes_tree(const jo_model *m, const jo_solver *s)
 {
     const int tree = table[s->method].family->tree;
-    if (m->nyielding && jo_contacts_in_matrix(&table[s->method].tableau) && !jo_tree_takes_contacts(m)) return 0;
+    if ((m->nyielding || jo_network_rows(m)) && jo_contacts_in_matrix(&table[s->method].tableau) && !jo_tree_takes_contacts(m)) return 0;
     return m->nlink && (tree == JO_ANY_TREE || (tree == JO_WHOLE_TREE && !jo_mixed(m)));
 }
 

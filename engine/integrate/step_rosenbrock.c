@@ -13,6 +13,7 @@
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "contact/contact.h"
+#include "network/network.h"
 #include "integrate/integrate.h"
 
 /* coefficients of the tableau in the form that a step needs */
@@ -136,7 +137,10 @@ static JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t
     stage->second = k && t->order <= 2 && (m->nbeam || stage->contacts);
     if (k && (!jo_tree_active(d) || jo_nmaximal(d) || m->nforce)) carry(d, w, k, stage, 0.0, d->w, d->dv, d->acc);   /* otherwise not used */
     jo_push_modes(m, d, stage);
-    if (k && stage->contacts) jo_contact_carry(m, d);
+    if (k && stage->contacts) {
+        jo_contact_carry(m, d);
+        jo_networks_carry(m, d);
+    }
     if (k && jo_couples(m, stage) && !jo_tree_active(d)) push_beams(m, d, w, k, stage);
     const int status = jo_evaluate(m, d, stage);
     if (status != JO_OK) {
@@ -164,7 +168,7 @@ static JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, con
     const jo_real t0 = d->time[0];
     weights w;
     weigh(t, &w);
-    jo_stage stage = {.set = 1, .gh = t->coefficient[0] * s->step, .contacts = jo_contacts_in_matrix(t) && jo_contacts_closed(m, d),
+    jo_stage stage = {.set = 1, .gh = t->coefficient[0] * s->step, .contacts = jo_contacts_in_matrix(t) && (jo_network_count(d) > 0 || jo_contacts_closed(m, d)),
                       .alpha = s->alpha, .beta = s->beta};
     jo_use_step(m, d, stage.gh);
     int status = stage_of(m, d, t, &w, 0, t0, &stage);

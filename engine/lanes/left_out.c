@@ -5,6 +5,7 @@
 #include "beam/beam.h"
 #include "force/force.h"
 #include "contact/contact.h"
+#include "network/network.h"
 #include "newton/newton.h"
 #include "friction/friction.h"
 #include "tree/tree.h"
@@ -294,6 +295,45 @@ int jo_find_contacts(const jo_model *m, jo_data *d, double *length, int *jumped)
     (void)m; (void)d; (void)length;
     *jumped = 0;
     return JO_OK;
+}
+
+/* networks of states */
+int jo_is_network(const jo_force *f)
+{
+    (void)f;
+    return 0;
+}
+int jo_network_rows(const jo_model *m)
+{
+    (void)m;
+    return 0;
+}
+int jo_network_coordinate(const jo_force *f, int k)
+{
+    (void)f; (void)k;
+    return -1;
+}
+jo_real jo_network_value(const jo_model *m, const jo_data *d, int network, int number)
+{
+    (void)m; (void)d; (void)network; (void)number;
+    return jo_same(NAN);
+}
+void jo_networks_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    (void)m; (void)a;
+    d->networks.count = 0;
+}
+void jo_networks_setup(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+void jo_networks_carry(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+void jo_networks_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    (void)m; (void)d; (void)stage;
 }
 
 /* kinds of force that no file of this build defines */

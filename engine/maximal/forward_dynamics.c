@@ -5,6 +5,7 @@
 #include "force/force.h"
 #include "beam/beam.h"
 #include "contact/contact.h"
+#include "network/network.h"
 #include "friction/friction.h"
 #include "tree/tree.h"
 
@@ -119,7 +120,10 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
         jo_hybrid_ends(d);
     }
     if (m->nstate && stage->set && jo_tree_active(d) && status == JO_OK) jo_tree_implicit_state_rates(m, d, stage);
-    if (stage->contacts && status == JO_OK) jo_contact_state_rates(m, d, stage);
+    if (stage->contacts && status == JO_OK) {
+        jo_contact_state_rates(m, d, stage);
+        jo_networks_state_rates(m, d, stage);
+    }
     return status;
 }
 

@@ -3,6 +3,7 @@
 #include "force/force.h"
 #include "beam/beam.h"
 #include "fatigue/fatigue.h"
+#include "network/network.h"
 
 #define JO_ZERO_ENTRY 1e-30  /* off-diagonal entry, relative to the sum of all entries, that counts as 0 in Jacobi's rotations */
 
@@ -264,6 +265,13 @@ static void section(const jo_data *d, const jo_sensor *s, jo_real *y)
     for (int i = 0; i < s->count; i++) y[i] = first + i < 24 ? all[first + i] : jo_same(0.0);
 }
 
+/* value of a signal of time, or of an expression of the motion */
+static jo_real signal_value(const jo_model *m, const jo_data *d, int signal)
+{
+    const jo_signal *x = &m->signal[signal];
+    return x->type == JO_SIGNAL_NETWORK ? jo_network_value(m, d, x->count, x->child[0]) : jo_signal_at(m, d, signal, d->time[0]).value;
+}
+
 /* whether a sensor needs accelerations or multipliers */
 int jo_needs_accelerations(const jo_sensor *s)
 {
@@ -310,7 +318,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_SENSOR_COORDINATE: y[0] = d->coordinate[s->object].value; break;
         case JO_SENSOR_RATE: y[0] = d->coordinate[s->object].rate; break;
         case JO_SENSOR_ENERGY: y[0] = energy(m, d, s->object); break;
-        case JO_SENSOR_SIGNAL: y[0] = jo_signal_at(m, d, s->object, d->time[0]).value; break;
+        case JO_SENSOR_SIGNAL: y[0] = signal_value(m, d, s->object); break;
         case JO_SENSOR_ELEMENT:   /* `other` is the index of the first component */
             for (int j = 0; j < s->count; j++) y[j] = d->force[s->object].y[s->other + j];
             for (int j = 0; j + 3 <= s->count; j += 3) resolve(d, s->frame, y + j);

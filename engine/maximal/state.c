@@ -119,6 +119,14 @@ void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const
     }
 }
 
+/* body on which a force acts; 0 if it acts on none or on several */
+static int body_of_force(const jo_model *m, const jo_force *f)
+{
+    const int a = f->coordinate < 0 ? f->a : m->coordinate[f->coordinate].a, b = f->coordinate < 0 ? f->b : m->coordinate[f->coordinate].b;
+    const int body = b >= 0 && m->marker[b].body >= 0 ? m->marker[b].body : a >= 0 ? m->marker[a].body : 0;
+    return body < 0 ? 0 : body;
+}
+
 /* whether a state of a force exceeds JO_MAX_STATE; error_index: body of the force */
 static int check_force_states(const jo_model *m, jo_data *d)
 {
@@ -127,8 +135,7 @@ static int check_force_states(const jo_model *m, jo_data *d)
         const jo_force *f = &m->force[k];
         for (int i = f->state; i < f->state + f->states; i++) {
             if (!jo_spoil(x + i, JO_LESS(jo_magnitude(x[i]), JO_MAX_STATE))) continue;
-            const jo_coordinate *c = &m->coordinate[f->coordinate];
-            d->error_index = m->marker[c->b].body >= 0 ? m->marker[c->b].body : m->marker[c->a].body;
+            d->error_index = body_of_force(m, f);
             return 1;
         }
     }

@@ -10,6 +10,7 @@
 #include "force/force.h"
 #include "beam/beam.h"
 #include "contact/contact.h"
+#include "network/network.h"
 
 enum { JO_REFINEMENTS = 2 };   /* number of iterative refinements; each reduces the error due to the regularisation by a factor of 1e-8 */
 
@@ -31,7 +32,9 @@ static void assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
     for (int i = 0; i < m->nrow; i++) d->lam[i] = 0.0;
     jo_newton_masses(m, d, &masses);
     jo_newton_rows(m, d, &rows);
-    if (stage->contacts) jo_contact_add_to_newton(m, d);
+    if (!stage->contacts) return;
+    jo_contact_add_to_newton(m, d);
+    jo_networks_add_to_newton(m, d);
 }
 
 static jo_real *part_of(const jo_model *m, jo_data *d, int item) { return d->newton.x + jo_newton_place(m, item); }
@@ -121,7 +124,10 @@ void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
         for (int j = 0; j < 6; j++) x[j] = (stage->set ? f[j] : 0.0) - r[j];
         for (int j = 0; j < b->n; j++) x[6 + j] = -r[6 + j] - gh * (b->D[j] + gh * b->K[j]) * a[6 + j];
     }
-    if (stage->contacts) jo_contact_subtract(m, d, d->newton.base);
+    if (stage->contacts) {
+        jo_contact_subtract(m, d, d->newton.base);
+        jo_networks_subtract(m, d, d->newton.base);
+    }
     for (int i = 0; i < m->njoint; i++) {
         jo_real *x = part_of(m, d, m->nbody + i), y[JO_MAX_ROWS] = {0.0};
         if (!jo_absent(d, &m->joint[i])) row_accelerations(m, d, stage, i, y);

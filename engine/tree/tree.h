@@ -63,6 +63,10 @@ void jo_loop_solve(const jo_model *m, jo_data *d);   /* multipliers for the righ
 void jo_loop_add_multiplier_forces(const jo_model *m, jo_data *d);   /* forces of the multipliers as added forces */
 jo_real jo_loop_power(const jo_model *m, const jo_data *d);   /* power of drives in loops, W */
 
+/* tree_networks.c */
+void jo_tree_network_jacobian(const jo_model *m, jo_data *d, struct jo_network *w, int k);
+void jo_tree_push_network(const jo_model *m, jo_data *d, const struct jo_network *w, int k, jo_real F);   /* added force F along coordinate k */
+
 /* tree_contacts.c */
 int jo_tree_takes_contacts(const jo_model *m);   /* whether steps in joint coordinates have contacts in their matrix */
 void jo_tree_contact_layout(const jo_model *m, jo_data *d, jo_arena *a);

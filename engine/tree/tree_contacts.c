@@ -6,16 +6,17 @@
  * G J qdd is O(h) and H changes by O(h), so that the second stage has an error O(h^2), and the order of the method remains 2. */
 #include "maximal/maximal.h"
 #include "contact/contact.h"
+#include "network/network.h"
 #include "tree/tree_links.h"
 
 int jo_tree_takes_contacts(const jo_model *m)
 {
-    return m->nlink && !jo_mixed(m) && !m->nloop && !m->nfriction && 3 * jo_contact_count(m) <= JO_TREE_CONTACT_ROWS;
+    return m->nlink && !jo_mixed(m) && !m->nloop && !m->nfriction && 3 * jo_contact_count(m) + jo_network_rows(m) <= JO_TREE_CONTACT_ROWS;
 }
 
 void jo_tree_contact_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
-    const int n = jo_tree_takes_contacts(m) ? 3 * jo_contact_count(m) : 0;
+    const int n = jo_tree_takes_contacts(m) ? 3 * jo_contact_count(m) + jo_network_rows(m) : 0;
     d->tree.contact_response = jo_take_reals(a, n * m->nu);
     d->tree.contact_factors = jo_take_reals(a, n * n);
     d->tree.contact_force = jo_take_reals(a, n);
@@ -74,44 +75,6 @@ static void add_force(const jo_model *m, jo_data *d, const jo_contact_matrix *c,
     }
 }
 
-/* LU factors of A (n x n) by rows, with row exchanges */
-static void factor(jo_real *A, int n, int *pivot)
-{
-    for (int k = 0; k < n; k++) {
-        int best = k;
-        for (int i = k + 1; i < n; i++)
-            if (fabs(JO_RE(A[i * n + k])) > fabs(JO_RE(A[best * n + k]))) best = i;
-        pivot[k] = best;
-        for (int j = 0; j < n && best != k; j++) {
-            const jo_real x = A[k * n + j];
-            A[k * n + j] = A[best * n + j];
-            A[best * n + j] = x;
-        }
-        const jo_real inverse = 1.0 / A[k * n + k];
-        for (int i = k + 1; i < n; i++) {
-            const jo_real s = A[i * n + k] * inverse;
-            A[i * n + k] = s;
-            for (int j = k + 1; j < n; j++) A[i * n + j] -= s * A[k * n + j];
-        }
-    }
-}
-
-/* x = A^-1 x */
-static void solve(const jo_real *A, int n, const int *pivot, jo_real *x)
-{
-    for (int k = 0; k < n; k++) {
-        const jo_real t = x[pivot[k]];
-        x[pivot[k]] = x[k];
-        x[k] = t;
-    }
-    for (int i = 1; i < n; i++)
-        for (int j = 0; j < i; j++) x[i] -= A[i * n + j] * x[j];
-    for (int i = n - 1; i >= 0; i--) {
-        for (int j = i + 1; j < n; j++) x[i] -= A[i * n + j] * x[j];
-        x[i] /= A[i * n + i];
-    }
-}
-
 /* Y by rows, and the factors of 1 + G W; returns the number of rows */
 static int prepare(const jo_model *m, jo_data *d)
 {
@@ -124,6 +87,13 @@ static int prepare(const jo_model *m, jo_data *d)
             add_force(m, d, c, unit);
             jo_tree_force_response(m, d, t->contact_response + n * m->nu);
         }
+    const int contacts = n;
+    for (int i = 0; i < jo_network_count(d); i++)
+        for (int k = 0; k < jo_network_at(d, i)->m; k++, n++) {
+            jo_tree_clear_added_forces(m, d);
+            jo_tree_push_network(m, d, jo_network_at(d, i), k, jo_same(1.0));
+            jo_tree_force_response(m, d, t->contact_response + n * m->nu);
+        }
     int row = 0;
     for (const jo_contact_matrix *c = jo_next_contact(d, 0); c; c = jo_next_contact(d, c), row += 3)
         for (int j = 0; j < n; j++) {
@@ -132,7 +102,20 @@ static int prepare(const jo_model *m, jo_data *d)
             jo_mul3(GW, c->G, W);
             for (int i = 0; i < 3; i++) t->contact_factors[(row + i) * n + j] = GW[i] + (row + i == j ? 1.0 : 0.0);
         }
-    factor(t->contact_factors, n, t->contact_pivot);
+    row = contacts;
+    for (int i = 0; i < jo_network_count(d); i++) {
+        const jo_network *w = jo_network_at(d, i);
+        for (int j = 0; j < n; j++) {
+            jo_network_rates_along(w, t->contact_response + j * m->nu, w->y);
+            for (int k = 0; k < w->m; k++) {
+                jo_real x = jo_same(row + k == j ? 1.0 : 0.0);
+                for (int l = 0; l < w->m; l++) x += w->G[k * w->m + l] * w->y[l];
+                t->contact_factors[(row + k) * n + j] = x;
+            }
+        }
+        row += w->m;
+    }
+    jo_network_factor(t->contact_factors, n, t->contact_pivot);
     return n;
 }
 
@@ -145,6 +128,8 @@ static void accept_forces(const jo_model *m, jo_data *d)
         const jo_real *x = d->tree.contact_force + row, F[3] = {-x[0], -x[1], -x[2]};
         add_force(m, d, c, F);
     }
+    for (int i = 0; i < jo_network_count(d); i++)
+        for (int k = 0; k < jo_network_at(d, i)->m; k++, row++) jo_tree_push_network(m, d, jo_network_at(d, i), k, -d->tree.contact_force[row]);
     jo_tree_force_response(m, d, d->tree.joint_response);
     jo_tree_add_response(m, d, jo_same(1.0));
 }
@@ -158,8 +143,16 @@ void jo_tree_contacts(const jo_model *m, jo_data *d, const jo_stage *stage)
         jo_contact_velocity(c, d->ud, J);
         jo_mul3(x, c->G, J);
     }
+    for (int i = 0; i < jo_network_count(d); i++) {
+        const jo_network *w = jo_network_at(d, i);
+        jo_network_rates_along(w, d->ud, w->y);
+        for (int k = 0; k < w->m; k++, x++) {
+            *x = jo_same(0.0);
+            for (int l = 0; l < w->m; l++) *x += w->G[k * w->m + l] * w->y[l];
+        }
+    }
     const int n = t->contact_rows;
-    solve(t->contact_factors, n, t->contact_pivot, t->contact_force);
+    jo_network_solve(t->contact_factors, n, t->contact_pivot, t->contact_force);
     for (int k = 0; k < n; k++)
         for (int i = 0; i < m->nu; i++) d->ud[i] -= t->contact_force[k] * t->contact_response[k * m->nu + i];
     if (t->ndriven) accept_forces(m, d);

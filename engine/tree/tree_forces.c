@@ -10,6 +10,7 @@
  */
 #include "maximal/maximal.h"
 #include "force/force.h"
+#include "network/network.h"
 #include "tree/tree_links.h"
 
 /* positions p and velocities v of the links; orientation, velocity and origin of their bodies; zero body forces fr */
@@ -85,6 +86,8 @@ static void update_coordinates(const jo_model *m, jo_data *d)
         read_joint_coordinate(m, d, m->force[i].coordinate);
         read_joint_coordinate(m, d, m->force[i].other);
     }
+    for (int i = 0; i < jo_network_count(d); i++)
+        for (int k = 0; k < jo_network_at(d, i)->m; k++) read_joint_coordinate(m, d, jo_network_at(d, i)->coordinate[k]);
     for (int i = 0; i < d->tree.ncoordinate; i++) {
         jo_coordinate_value(m, d, d->tree.coordinate[i]);
         jo_coordinate_rate(m, d, d->tree.coordinate[i]);

@@ -3,6 +3,7 @@
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 #include "contact/contact.h"
+#include "network/network.h"
 #include <string.h>
 
 /* ---- constants --------------------------------------------------------------------------------- */
@@ -162,6 +163,12 @@ static void add_coordinate(const jo_model *m, jo_data *d, int c)
     add_marker(m, d, m->coordinate[c].b);
 }
 
+/* coordinates of a network of states */
+static void add_network(const jo_model *m, jo_data *d, const jo_force *f)
+{
+    for (int k = 0; jo_network_coordinate(f, k) >= 0; k++) add_coordinate(m, d, jo_network_coordinate(f, k));
+}
+
 /* axes, position, velocity and acceleration of the ground */
 static void set_ground(jo_link_work *ground)
 {
@@ -206,6 +213,7 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
         add_marker(m, d, f->a);
         add_marker(m, d, f->b);
         if (jo_is_contact_set(f)) add_shapes(m, d, f);
+        if (jo_is_network(f)) add_network(m, d, f);
         if (f->body >= 0 && (!jo_nmaximal(d) || jo_body_in_tree(d, f->body))) add_unique(t->body, &t->nbody, f->body);
     }
     /* loops: rows that are linear in coordinates read these; other rows read the links only */

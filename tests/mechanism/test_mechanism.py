@@ -123,6 +123,7 @@ def test_every_joint_load_sensor_and_signal_is_exported_and_in_its_tuple():
     for section in ("contact shapes", "contact laws"):
         others |= set(kinds(section, "jousto.mechanism.contacts").values())
     names = ("Apart", "CollisionShape", "Surface", "SurfacePair")  # parts of a set of contacts
+    names += ("Block", "States", "Equations", "Expression")  # equations beside the machine
     others |= {getattr(jo.mechanism, name) for name in names}
     assert set(tuples) <= found <= set(tuples) | others
 

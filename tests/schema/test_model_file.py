@@ -360,7 +360,7 @@ def test_the_schema_knows_every_key_of_the_file():
     assert set(schema["properties"]) == {
         "$schema", "name", "parts", "bodies", "joints", "couplings", "forces", "frictions",
         "parameters", "gravity", "sensors", "events", "fmus", "initial", "simulation", "fatigue",
-        "robots", "elastic_joints", "monitor", "limits", "reliability", "optimisation",
+        "states", "robots", "elastic_joints", "monitor", "limits", "reliability", "optimisation",
     }  # fmt: skip
     assert schema["required"] == ["bodies"]
     assert schema["additionalProperties"] is False

@@ -59,8 +59,13 @@ ksi = 1000 psi
 standard_gravity = 9.80665 meter / second ** 2 = g0
 percent = 0.01
 kelvin = [temperature] = K
-volt = [voltage] = V
-ohm = [resistance]
+watt = joule / second = W
+liter = 0.001 meter ** 3 = l = L = litre
+ampere = [current] = A
+volt = watt / ampere = V
+ohm = volt / ampere
+henry = volt * second / ampere = H
+farad = ampere * second / volt = F
 cycle = 1 = cycles
 """
 
@@ -99,6 +104,16 @@ NAMED = KINDS.keys() - {"1"}
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 """Length units of files, m."""
+
+BASES = {
+    "[length]": "m",
+    "[mass]": "kg",
+    "[time]": "s",
+    "[angle]": "rad",
+    "[temperature]": "K",
+    "[current]": "A",
+}
+"""SI units of the dimensions."""
 
 SHOWN = {"Pa": ("MPa", 1e-6), "m/m": ("um/m", 1e6), "V/V": ("mV/V", 1e3)}
 
@@ -285,6 +300,27 @@ def converted(text: str, unit: str) -> float:
         raise UnitError(f"expects a number with a unit, got {text!r}")
     source, target = parse_unit(match[2]), parse_unit(unit)
     return _checked(match[1], lambda x: registry().convert(x, source, target))
+
+
+def in_si(text: str) -> float:
+    """Return a number with any unit in SI.
+
+    >>> in_si("2 bar"), in_si("60 l/min"), in_si("-3")
+    (200000.0, 0.001, -3.0)
+
+    Raises
+    ------
+    UnitError
+        If the text is not a number, with a known unit or without one.
+    """
+    match = NUMBER.fullmatch(text.strip())
+    if match is None:
+        raise UnitError(f"expects a number with a unit, got {text!r}")
+    if not match[2]:
+        return _checked(match[1], lambda x: x)
+    unit = parse_unit(match[2])
+    base = parse_unit(" ".join(f"{BASES[key]}**{n}" for key, n in unit.dimensionality.items()))
+    return _checked(match[1], lambda x: registry().convert(x, unit, base))
 
 
 def _convert(text: str, number: str, unit_text: str, unit: str) -> float:

@@ -69,5 +69,26 @@ from .sensors.motion import (
 )
 from .sensors.scalar import EnergySensor as EnergySensor
 from .sensors.section import SectionSensor as SectionSensor
+from .sensors.state import StateSensor as StateSensor
 from .signals.base import Product as Product, Sum as Sum
 from .signals.switched import Switched as Switched
+from .states.block import Block as Block, Equations as Equations, States as States
+from .states.expression import (
+    Expression as Expression,
+    absolute as absolute,
+    atan as atan,
+    clip as clip,
+    cos as cos,
+    exp as exp,
+    log as log,
+    maximum as maximum,
+    minimum as minimum,
+    rate as rate,
+    sin as sin,
+    smooth_step as smooth_step,
+    sqrt as sqrt,
+    tanh as tanh,
+    time as time,
+    value as value,
+    where as where,
+)

@@ -26,6 +26,7 @@ from jousto.mechanism.joints.switched import Lock
 from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.signals.base import Input, Signal, leaves
 from jousto.mechanism.signals.switched import Switched
+from jousto.mechanism.states.block import Block
 
 # largest gap at a joint that projection may close, relative to the size of the mechanism
 GAP_TOLERANCE = 1e-6
@@ -33,7 +34,7 @@ GAP_TOLERANCE = 1e-6
 # types of the arguments of Mechanism
 ITEMS = (
     *(RigidBody, FlexibleBody, BeamBody, Joint, Coupler, Gravity, Friction, Event, Initial),
-    *(ForceElement, Sensor, Fmu),
+    *(ForceElement, Sensor, Fmu, Block),
 )
 
 
@@ -105,6 +106,7 @@ def check_names(problems: Problems, mechanism: Members) -> None:
         "forces": (*mechanism.forces, *mechanism.frictions),
         "events": mechanism.events,
         "fmus": mechanism.fmus,
+        "blocks": mechanism.blocks,
         "sensors": mechanism.sensors,
     }
     for group, items in groups.items():
@@ -163,7 +165,10 @@ def check_members(problems: Problems, mechanism: Members) -> None:
             text = f"is not in the mechanism{suggest(name, bodies)}"
         problems.add(where(item), f"{kind} {name!r} {text}", argument, named=False)
 
-    items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
+    items: tuple[Any, ...] = (
+        *(*mechanism.joints, *mechanism.couplings, *mechanism.forces),
+        *(*mechanism.blocks, *mechanism.sensors),
+    )
     for event in mechanism.events:
         if isinstance(event.watch, Coordinate):
             missing(event, event.watch.name, event.watch.a.body)
@@ -216,6 +221,7 @@ def check_member(problems: Problems, item: Any, used: Any, known: Known) -> None
 def signals_of(item: Any) -> Iterator[Signal]:
     """Yield the signals that an item uses, and the terms of these signals."""
     values = (*vars(item).values(), getattr(item, "signal", None))  # a gauge's signal is a property
+    values += getattr(item, "signals", ())
     for value in {id(value): value for value in values}.values():
         if isinstance(value, Signal):
             yield from leaves(value)
@@ -305,7 +311,7 @@ def input_names(mechanism: Members) -> set[str]:
     """Return the names of the external inputs."""
     return {
         signal.name
-        for item in (*mechanism.forces, *mechanism.couplings, *mechanism.sensors)
+        for item in (*mechanism.forces, *mechanism.blocks, *mechanism.couplings, *mechanism.sensors)
         for signal in signals_of(item)
         if isinstance(signal, Input) and not isinstance(item, FmuSensor)
     }
@@ -318,7 +324,7 @@ def used_joints(mechanism: Members) -> set[int]:
     they need the coordinate.
     """
     items = (*mechanism.couplings, *mechanism.forces, *mechanism.sensors, *mechanism.frictions)
-    users = (*items, *mechanism.initials)
+    users = (*items, *mechanism.blocks, *mechanism.initials)
     used = {id(s.joint) for item in users for s in coordinates_of(item)}
     used |= {id(e.watch.joint) for e in mechanism.events if isinstance(e.watch, Coordinate)}
     return used | {id(friction.joint) for friction in mechanism.frictions}
@@ -411,7 +417,10 @@ def check_initials(problems: Problems, mechanism: Members) -> None:
 
 def check_distances(problems: Problems, mechanism: Members) -> None:
     """Report distances between coincident points, which have no direction."""
-    users = (*mechanism.couplings, *mechanism.forces, *mechanism.sensors, *mechanism.initials)
+    users = (
+        *(*mechanism.couplings, *mechanism.forces, *mechanism.blocks),
+        *(*mechanism.sensors, *mechanism.initials),
+    )
     size = mechanism.size
     for item in users:
         for s in coordinates_of(item):

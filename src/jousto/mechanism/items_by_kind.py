@@ -27,6 +27,7 @@ from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coupling import Coupler
 from jousto.mechanism.sensors.base import Sensor
+from jousto.mechanism.states.block import Block
 
 CORES = ("auto", "joint", "maximal")
 """Names of the solver cores, see `compile`."""
@@ -67,6 +68,7 @@ class Members:
     sensors: tuple[Sensor, ...]
     initials: tuple[Initial, ...]
     fmus: tuple[Fmu, ...]
+    blocks: tuple[Block, ...]
     assemblies: tuple[Assembly, ...]
     gravity: Array
 
@@ -93,6 +95,7 @@ class Members:
                 *(sensor for fmu in fmus for sensor in fmu.sensors),
             ),
             "fmus": fmus,
+            "blocks": tuple(x for x in items if isinstance(x, Block)),
             "initials": tuple(x for x in items if isinstance(x, Initial)),
         }
         gravity = [x.acceleration for x in items if isinstance(x, Gravity)]

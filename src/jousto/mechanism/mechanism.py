@@ -45,6 +45,8 @@ class Mechanism(Members):
         The beams, in the given order.
     initials : tuple of Initial
         Values and rates of coordinates at the start.
+    blocks : tuple of Block
+        States with their equations.
     fmus : tuple of Fmu
         Models of other programs; their outputs are among the sensors.
     assemblies : tuple of Assembly

@@ -122,6 +122,7 @@ def pack(mechanism: Mechanism) -> tuple[Model, Builder]:
         builder.coupling(coupling)
     for load in mechanism.forces:
         builder.force(load)
+    builder.states(mechanism)
     watched = watched_coordinates(mechanism)
     gauges = (*mechanism.sensors, *watched)
     for sensor in gauges:  # angle coordinates are tracked over full turns at every step

@@ -73,6 +73,14 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
             rows += force.facts
         else:
             rows.append((f"{force.kind} {force.name}", given(force)))
+    for block in mechanism.blocks:
+        names = ", ".join(block.starts) or "no states"
+        outputs = ", ".join(block.outputs)
+        along = ", ".join(c.name or "" for c, _ in block.checked().forces)
+        text = names + (f"; outputs {outputs}" if outputs else "")
+        rows.append(
+            (f"{block.kind} {block.name}", text + (f"; acts along {along}" if along else ""))
+        )
     for friction in mechanism.frictions:
         text = f"of joint {friction.joint.name}, mu {friction.mu_kinetic:g}"
         rows.append((f"friction {friction.name}", f"{text}, {friction.law}"))

@@ -32,6 +32,22 @@ def controllers(model: Model) -> list[ForceModel]:
     return [force for force in model.forces if force.kind == "pid"]
 
 
+def networks(model: Model) -> list[ForceModel]:
+    """Return the systems of states of a model."""
+    return [force for force in model.forces if force.kind == "network"]
+
+
+def without_states(model: Model, where: str, remedy: str) -> None:
+    """Raise InputError if a model has states with equations of their own."""
+    problems = [
+        Problem(where, f"states {force.name!r} have equations of their own; {remedy}")
+        for force in networks(model)
+        if force.states
+    ]
+    if problems:
+        raise InputError(problems)
+
+
 def hold_controllers(model: Model) -> Model:
     """Return a model in which controllers have a constant integral part and no derivative part.
 
@@ -61,6 +77,11 @@ def without_controllers(model: Model, where: str) -> None:
         )
         for force in controllers(model)
         if _moves(force)
+    ]
+    problems += [
+        Problem(where, f"states {force.name!r} depend on the motion; leave them out")
+        for force in networks(model)
+        if force.states
     ]
     if problems:
         raise InputError(problems)

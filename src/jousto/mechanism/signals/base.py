@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -84,6 +84,8 @@ class Signal(Declared, section="signals"):
 
     # lets numpy numbers multiply signals by the operators of this class
     __array_ufunc__ = None
+    live: ClassVar[bool] = False
+    """Whether the value depends on the motion, so that it is no function of time."""
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration at times t, s, each of the shape of t."""
@@ -381,6 +383,9 @@ class Input(Signal, tag="input", by_value=True):
 def combine(kind: type[Sum] | type[Product], *items: Any) -> Signal:
     """Decorate an operator: it returns NotImplemented for terms that are no signals or numbers."""
     signal: Any = NotImplemented
+    live = next((item for item in items if isinstance(item, Signal) and item.live), None)
+    if live is not None:
+        return live.combined("add" if kind is Sum else "multiply", *items)  # type: ignore[attr-defined,no-any-return]
     if all(isinstance(item, Signal | int | float | np.number) for item in items):
         signal = kind(*items)
     return signal  # type: ignore[no-any-return]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.complexstep import floats
+from jousto.base.errors import InputError, Problem
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.event import Event
@@ -19,7 +20,9 @@ from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate, Line
 from jousto.mechanism.joints.coupling import Coupler
 from jousto.mechanism.joints.switched import SwitchedRow
+from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.signals.base import Law, Signal
+from jousto.mechanism.states.expression import Expression
 from jousto.model.model import (
     CoordinateModel,
     EventModel,
@@ -32,6 +35,7 @@ from jousto.model.model import (
     SwitchedModel,
 )
 from jousto.model.native.header import packed
+from jousto.model.packing.systems import systems_of
 
 RIGID = 6
 """Number of rows of a joint that lets nothing move."""
@@ -64,6 +68,7 @@ class Builder:
         self.events: list[EventModel] = []
         self.force_places: dict[int, int] = {}
         self._places: dict[Any, int] = {}
+        self._registers: dict[int, tuple[int, int]] = {}
 
     def marker(self, marker: Marker, turns: bool, *, shared: bool = True) -> int:
         """Return the index of a frame; `turns`: its rotation is needed at every evaluation.
@@ -200,8 +205,18 @@ class Builder:
             self._places[key] = self._signal(signal)
         return self._places[key]
 
+    def states(self, mechanism: Mechanism) -> None:
+        """Add the systems of states of a mechanism, and the expressions that sensors measure."""
+        measured = [sensor.reading.of for sensor in mechanism.sensors]
+        watched = [one for one in measured if isinstance(one, Expression)]
+        for system in systems_of(mechanism.blocks, watched):
+            self.force(system)
+            self._registers |= {k: (system.number, r) for k, r in system.registers.items()}
+
     def _signal(self, signal: Signal) -> int:
         """Append a signal after its terms, since the engine combines two terms at a time."""
+        if isinstance(signal, Expression):
+            return self._append(self._live(signal))
         law = signal.law
         count = law.count if law.event is None else self._events[id(law.event)]
         if signal.parts:
@@ -219,6 +234,19 @@ class Builder:
             SignalModel(law.kind, numbers_of(law), count, law.degree, name=law.name)
         )
         return self._places.setdefault(key, place) if law.name else place
+
+    def _live(self, signal: Expression) -> SignalModel:
+        """Return an expression that is measured; it is in no other place."""
+        if id(signal) not in self._registers:
+            raise InputError(
+                Problem(
+                    repr(signal),
+                    "depends on the motion; forces, drives and references take signals of time. "
+                    "Give it to a block of states, whose forces act along coordinates",
+                )
+            )
+        system, register = self._registers[id(signal)]
+        return SignalModel("network", np.zeros(1), system, children=(register, -1))
 
     def place_of(self, signal: Signal) -> int:
         """Return the index of a signal that was added before."""

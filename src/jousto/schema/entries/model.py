@@ -93,6 +93,7 @@ RobotEntry: Any = Annotated[Any, EntryOf("jousto.robots.in_mechanism", "RobotInM
 ElasticJointEntry: Any = Annotated[Any, EntryOf("jousto.mechanism.elastic_joint", "ElasticJoint")]
 OptimisationEntry: Any = Annotated[Any, EntryOf("jousto.schema.optimisation", "Optimisation")]
 ForceEntry: Any = one_of("forces", "jousto.mechanism.forces")
+StatesEntry: Any = one_of("states", "jousto.mechanism.states")
 
 
 class ParameterEntry(Entry):
@@ -125,6 +126,7 @@ class ModelEntry(Entry):
     elastic_joints: tuple[ElasticJointEntry, ...] | None = None
     couplings: tuple[CouplerEntry, ...] | None = None
     forces: tuple[ForceEntry, ...] | None = None
+    states: tuple[StatesEntry, ...] | None = None
     frictions: tuple[FrictionEntry, ...] | None = None
     initial: tuple[InitialEntry, ...] | None = None
     gravity: Acceleration3 | None = None

@@ -73,4 +73,5 @@ SignalOrNumber: TypeAlias = Annotated[
 ]
 SPECIAL[Table] = TableEntry
 FORMS["signal"] = lambda field: SignalOrNumber
+FORMS["formulas"] = lambda field: dict[Text, SignalOrNumber]
 FORMS["signals"] = lambda field: tuple[SignalOrNumber, ...]

@@ -111,6 +111,7 @@ SINGULAR = {
     "sensors": "sensor",
     "events": "event",
     "fmus": "fmu",
+    "states": "block",
     "robots": "robot",
     "elastic_joints": "elastic joint",
     "sections": "section",

@@ -25,6 +25,7 @@ from jousto.schema.make.machines import FORMS as OF_ROBOTS, JOINED, PREFIX_ENDS,
 from jousto.schema.make.matrices import build_matrices, build_superelement, is_superelement
 from jousto.schema.make.sensors import FORMS as OF_SENSORS
 from jousto.schema.make.solid import FORMS as OF_PARTS, build_solid
+from jousto.schema.make.states import FORMS as OF_STATES
 
 LISTS = (
     *(
@@ -34,6 +35,7 @@ LISTS = (
         "elastic_joints",
         "couplings",
         "forces",
+        "states",
         "frictions",
         "initial",
         "sensors",
@@ -49,7 +51,15 @@ MOST_KEPT = 64
 class ModelBuilder(Builder):
     """Builds parts, bodies and the mechanism of a document."""
 
-    forms = {**OF_FORCES, **OF_SENSORS, **OF_FMUS, **OF_ROBOTS, **OF_PARTS, **OF_FATIGUE}
+    forms = {
+        **OF_FORCES,
+        **OF_SENSORS,
+        **OF_FMUS,
+        **OF_ROBOTS,
+        **OF_PARTS,
+        **OF_FATIGUE,
+        **OF_STATES,
+    }
 
     # -- parts ------------------------------------------------------------------------------
 

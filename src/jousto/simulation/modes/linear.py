@@ -17,7 +17,12 @@ from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
 from jousto.simulation.contacts import STRETCH, bristle_rates, contact_states
-from jousto.simulation.controllers import controllers, hold_controllers, moving_states
+from jousto.simulation.controllers import (
+    controllers,
+    hold_controllers,
+    moving_states,
+    without_states,
+)
 from jousto.simulation.second_order import where_noticed
 from jousto.simulation.state import State, put
 
@@ -482,6 +487,13 @@ def modes(
         problems.raise_if_any()
     loaded = where_noticed(model, state, f"modes of {model.name!r}")
     state = State(model.q0, model.v0, np.zeros(model.nrow)) if state is None else state
+    if not damped or model.nv + model.nrow > MANY:
+        without_states(
+            model,
+            f"modes of {model.name!r}",
+            "their eigenvalues are those of damped modes by dense matrices, damped=True"
+            + ("" if model.nv + model.nrow > MANY else ", or of linearise(model).A"),
+        )
     if model.nv + model.nrow > MANY:
         if damped:
             _warn_held(model)

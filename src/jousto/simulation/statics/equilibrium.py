@@ -24,6 +24,7 @@ from jousto.simulation.statics.equilibrium_sparse import settle
 from jousto.simulation.statics.free_bodies import check_adrift
 from jousto.simulation.statics.neglected_stiffening import check_second_order
 from jousto.simulation.statics.plastic_limit import name_plastic_limit
+from jousto.simulation.statics.states_rest import rest_with_states, state_systems
 
 ITERATIONS = 100  # maximum number of iterations
 TURN = 0.5  # largest rotation of an iteration, rad
@@ -53,7 +54,9 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
         Largest residual force of the steps by modes, relative to the forces on the free
         coordinates; the sparse iteration ends at increments of 1e-10 sizes of the mechanism.
 
-    A `PID` has its coordinate at the reference, with the integral part that balances the loads.
+    States of blocks do not change: their equations and those of the bodies are solved together, by
+    Newton's method, which may end at an unstable equilibrium. A `PID` has its coordinate at the
+    reference, with the integral part that balances the loads.
     A mechanism with contacts settles on them by steps that start at rest; its bristles stick or
     slip on the way from the state (`jousto.simulation.statics.contact_rest`). Directions without
     stiffness, such as the spin of a rope between spherical joints, are allowed if no force acts in
@@ -82,7 +85,11 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
                 "is within the limits, or use an elastic Stop",
             )
     held, where = hold_controllers(model), f"equilibrium of {model.name!r}"
-    found = settle_controllers(model, state, lambda at: _rest(held, at, tolerance))
+    if state_systems(model):
+        without_fmus(model, "equilibrium", "has no state at rest that is known")
+        found = rest_with_states(model, state)
+    else:
+        found = settle_controllers(model, state, lambda at: _rest(held, at, tolerance))
     far = warn_far(held, found.q, where)
     check_second_order(held, found, where, told=far)
     return found

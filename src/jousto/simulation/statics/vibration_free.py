@@ -15,7 +15,7 @@ from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.scales import velocity_metres
-from jousto.simulation.controllers import follow_filters, hold_controllers
+from jousto.simulation.controllers import follow_filters, hold_controllers, without_states
 from jousto.simulation.modes.linear import free_motions
 from jousto.simulation.state import State, put, take
 
@@ -66,6 +66,7 @@ def vibration_free_state(model: Model, state: State | None = None) -> State:
     ``run = jo.simulate(model, 2.0, state=jo.simulation.vibration_free_state(model))``
     """
     without_fmus(model, "vibration_free_state", "has no state at rest that is known")
+    without_states(model, "vibration_free_state", "start from equilibrium")
     if model.beams or model.nv > MOST:
         why = (
             "exact beams are not supported; start them from equilibrium or steady_rotation"

@@ -1,0 +1,100 @@
+/* force_network.c - a network of first-order states x' = f(t, s, s', x) with forces F(t, s, s', x) along coordinates s: control, drives,
+ * hydraulics. f, F and their derivatives: network_program.c.
+ *
+ * RK4 and DormandPrince integrate x like velocities. Rosenbrock methods of order 2 have all derivatives in their matrix
+ * (network_matrix.c). The implicit methods solve for x at each position and velocity of Newton's method (force_states.c). */
+#include "maximal/maximal.h"
+#include "newton/newton.h"
+#include "force/force.h"
+#include "network/network.h"
+
+enum { JO_STATE_ITERATIONS = 20 };   /* largest number of Newton's method for the states */
+#define JO_STATES_FOUND 1e-14        /* increment of a state over its size at which they are found */
+
+static const jo_real *own_states(const jo_model *m, const jo_data *d, const jo_force *f) { return jo_states(m, d) + f->state; }
+
+/* states of an implicit step at the present position and velocity */
+static void condense(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_network *w)
+{
+    const double ca = stage->weights.a, cv = stage->weights.v;
+    double before = INFINITY;
+    for (int k = 0; k < JO_STATE_ITERATIONS; k++) {
+        jo_network_evaluate(m, d, w, own_states(m, d, f), 0.0, 1);
+        jo_network_response(w, ca, cv);
+        double most = 0.0;
+        for (int i = 0; i < w->n; i++) w->z[i] = w->r[w->rate[i]] - d->a[m->nv + f->state + i];
+        jo_network_solve(w->A, w->n, w->pivot, w->z);
+        for (int i = 0; i < w->n; i++) {
+            const int at = m->nv + f->state + i;
+            d->rate[at] += w->z[i];
+            d->a[at] += ca * w->z[i];
+            d->v[at] += cv * w->z[i];
+            most = fmax(most, fabs(cv * JO_RE(w->z[i])) / (fabs(JO_RE(d->v[at])) + JO_RE(jo_network_starts(f)[w->n + i])));
+        }
+        if (!(most > JO_STATES_FOUND) || !(most < before)) return;
+        before = most;
+    }
+}
+
+static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y)
+{
+    static const jo_force_work none = {{0.0}, 0.0, 0.0, 0.0};
+    jo_network *w = jo_network_of(d, f);
+    *y = none;
+    if (jo_condenses(stage)) condense(m, d, stage, f, w);
+    const int first = stage->contacts && !stage->earlier;
+    jo_network_evaluate(m, d, w, own_states(m, d, f), stage->lead, first);
+    if (!jo_condenses(stage)) {
+        jo_real *rate = jo_state_rates(m, d) + f->state;
+        for (int i = 0; i < w->n; i++) rate[i] = w->r[w->rate[i]];
+    }
+    for (int i = 0; i < w->npush; i++) {
+        const int c = w->coordinate[w->push[2 * i]];
+        const jo_real force = w->r[w->push[2 * i + 1]];
+        d->power.forces += force * d->coordinate[c].rate;
+        jo_push_along(m, d, c, force);
+    }
+    if (stage->contacts) jo_network_implicit(m, d, stage, w);
+    return JO_OK;
+}
+
+/* in a step with the response of the states; for equilibria and vibrations with constant states */
+static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *unused)
+{
+    (void)unused;
+    jo_network *w = jo_network_of(d, f);
+    jo_network_evaluate(m, d, w, own_states(m, d, f), 0.0, 1);
+    jo_network_response(w, jo_condenses(stage) ? stage->weights.a : 1.0, jo_condenses(stage) ? stage->weights.v : 0.0);
+    for (int k = 0; k < w->m; k++) w->F[k] = jo_same(0.0);
+    for (int i = 0; i < w->npush; i++) w->F[w->push[2 * i]] += w->r[w->push[2 * i + 1]];
+    for (int c = 0; c < w->m; c++) {
+        const jo_coordinate *of = &m->coordinate[w->coordinate[c]];
+        jo_gradients g;
+        jo_element_gradients(m, d, w->coordinate[c], &g);
+        for (int k = 0; k < w->m; k++) {
+            const jo_real fs = -w->K[k * w->m + c], frate = -w->D[k * w->m + c];
+            const jo_coordinate *on = &m->coordinate[w->coordinate[k]];
+            jo_element e;
+            if (k != c && fs == 0.0 && frate == 0.0) continue;
+            jo_element_start(&e, on->a, on->b);
+            if (k == c) jo_element_along(d, &e, w->coordinate[k], &g, w->F[k], fs, frate);
+            else jo_element_cross(d, &e, w->coordinate[k], of->a, of->b, &g, fs, frate);
+            jo_element_finish(m, d, &e);
+        }
+    }
+    return JO_OK;
+}
+
+static void start(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x)
+{
+    (void)m; (void)d;
+    for (int i = 0; i < f->states; i++) x[i] = jo_network_starts(f)[i];
+}
+
+static void nominals(const jo_model *m, const jo_force *f, double duration, double *x)
+{
+    (void)m; (void)duration;
+    for (int i = 0; i < f->states; i++) x[i] = JO_RE(jo_network_starts(f)[f->states + i]);
+}
+
+const jo_force_kind jo_force_network = {apply, 0, tangent, start, nominals, 0};

@@ -1,0 +1,129 @@
+/* network_layout.c - memory and constants of the networks of states. */
+#include "network/network.h"
+
+int jo_is_network(const jo_force *f) { return f->type == JO_FORCE_network; }
+
+static const jo_network_data *header(const jo_force *f) { return (const jo_network_data *)f->data; }
+static const jo_real *rest(const jo_force *f) { return (const jo_real *)(header(f) + 1); }
+
+const jo_real *jo_network_starts(const jo_force *f) { return rest(f); }
+
+int jo_network_coordinate(const jo_force *f, int k)
+{
+    return k < jo_whole(header(f)->coordinates) ? jo_whole(rest(f)[2 * jo_whole(header(f)->states) + k]) : -1;
+}
+
+int jo_network_rows(const jo_model *m)
+{
+    int rows = 0;
+    for (int i = 0; i < m->nforce; i++)
+        if (jo_is_network(&m->force[i])) rows += jo_whole(header(&m->force[i])->coordinates);
+    return rows;
+}
+
+jo_network *jo_network_of(const jo_data *d, const jo_force *f) { return &d->networks.list[jo_whole(header(f)->number)]; }
+
+static int velocities(const jo_model *m, int marker)
+{
+    const int body = m->marker[marker].body;
+    return body < 0 ? 0 : 6 + m->body[body].n;
+}
+
+static void count(const jo_force *f, jo_network *w)
+{
+    const jo_network_data *x = header(f);
+    w->n = jo_whole(x->states);
+    w->m = jo_whole(x->coordinates);
+    w->nsignal = jo_whole(x->signals);
+    w->fixed = jo_whole(x->constants);
+    w->values = jo_whole(x->values);
+    w->instructions = jo_whole(x->instructions);
+    w->npush = jo_whole(x->pushes);
+    w->nslope = jo_whole(x->slopes);
+    w->registers = w->fixed + w->n + 2 * w->m + 1 + w->nsignal + w->instructions;
+}
+
+static void take(const jo_model *m, const jo_force *f, jo_network *w, jo_arena *a)
+{
+    w->coordinate = jo_take_ints(a, w->m);
+    w->signal = jo_take_ints(a, w->nsignal);
+    w->code = jo_take_ints(a, 4 * w->instructions);
+    w->rate = jo_take_ints(a, w->n);
+    w->push = jo_take_ints(a, 2 * w->npush);
+    w->slope = jo_take_ints(a, 3 * w->nslope);
+    w->pivot = jo_take_ints(a, w->n);
+    w->at = jo_take_ints(a, 2 * w->m);
+    w->count = jo_take_ints(a, 2 * w->m);
+    w->link = jo_take_ints(a, 2 * w->m);
+    w->r = jo_take_reals(a, w->registers);
+    w->S = jo_take_reals(a, (w->n + w->m) * (w->n + 2 * w->m));
+    w->A = jo_take_reals(a, w->n * w->n);
+    w->P = jo_take_reals(a, w->m * w->n);
+    jo_real **square[3] = {&w->K, &w->D, &w->G}, **of_rows[4] = {&w->u, &w->w, &w->y, &w->F}, **of_states[2] = {&w->k, &w->z};
+    for (int i = 0; i < 3; i++) *square[i] = jo_take_reals(a, w->m * w->m);
+    for (int i = 0; i < 4; i++) *of_rows[i] = jo_take_reals(a, w->m);
+    for (int i = 0; i < 2; i++) *of_states[i] = jo_take_reals(a, w->n);
+    w->J = (jo_real **)jo_take_many(a, 2 * w->m, sizeof *w->J);
+    for (int k = 0; k < w->m; k++) {
+        const jo_coordinate *c = &m->coordinate[jo_network_coordinate(f, k)];
+        const int first = velocities(m, c->a), second = velocities(m, c->b), all = m->nlink && m->nu > first ? m->nu : first;
+        jo_real *x = jo_take_reals(a, all), *y = jo_take_reals(a, second);
+        if (!a->base) continue;
+        w->J[2 * k] = x;
+        w->J[2 * k + 1] = y;
+    }
+}
+
+static const jo_real *read_ints(const jo_real *x, int *y, int n)
+{
+    for (int i = 0; i < n; i++) y[i] = jo_whole(x[i]);
+    return x + n;
+}
+
+static void read(const jo_force *f, jo_network *w)
+{
+    const jo_real *x = read_ints(rest(f) + 2 * w->n, w->coordinate, w->m);
+    x = read_ints(x, w->signal, w->nsignal);
+    for (int i = 0; i < w->fixed; i++) w->r[i] = *x++;
+    x = read_ints(x, w->code, 4 * w->instructions);
+    x = read_ints(x, w->rate, w->n);
+    x = read_ints(x, w->push, 2 * w->npush);
+    read_ints(x, w->slope, 3 * w->nslope);
+}
+
+void jo_networks_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    jo_networks *all = &d->networks;
+    all->count = 0;
+    for (int i = 0; i < m->nforce; i++) all->count += jo_is_network(&m->force[i]);
+    all->list = (jo_network *)jo_take_many(a, all->count, sizeof *all->list);
+    for (int i = 0, k = 0; i < m->nforce; i++) {
+        if (!jo_is_network(&m->force[i])) continue;
+        jo_network spare, *w = a->base ? &all->list[k++] : &spare;
+        w->force = i;
+        count(&m->force[i], w);
+        take(m, &m->force[i], w, a);
+    }
+}
+
+static int link_of(const jo_model *m, int marker)
+{
+    const int body = m->marker[marker].body;
+    for (int i = 0; body >= 0 && i < m->nlink; i++)
+        if (m->link[i].body == body) return i;
+    return -1;
+}
+
+/* constants and codes of all networks, from the numbers of the model */
+void jo_networks_setup(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < d->networks.count; i++) {
+        jo_network *w = &d->networks.list[i];
+        read(&m->force[w->force], w);
+        for (int k = 0; k < w->m; k++) {
+            const jo_coordinate *c = &m->coordinate[w->coordinate[k]];
+            w->link[2 * k] = link_of(m, c->a);
+            w->link[2 * k + 1] = link_of(m, c->b);
+        }
+    }
+}

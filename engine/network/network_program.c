@@ -1,0 +1,145 @@
+/* network_program.c - the program of a network of states: a list of instructions, each of which computes one register.
+ *
+ * The derivatives with respect to states and coordinates are further instructions of the same program, made where the network is compiled
+ * (Griewank, Walther, Evaluating Derivatives, 2008, ch. 6), so that there is one kind of evaluation only. */
+#include "force/force.h"
+#include "network/network.h"
+
+static jo_real power(jo_real x, jo_real n)
+{
+#ifdef JO_COMPLEX
+    return cpow(x, n);
+#else
+    return pow(x, n);
+#endif
+}
+
+/* exponential, logarithm, arc tangent and hyperbolic tangent of numbers that may have an imaginary part */
+#ifdef JO_COMPLEX
+#define JO_LOG clog
+#define JO_ATAN catan
+#define JO_TANH ctanh
+#else
+#define JO_LOG log
+#define JO_ATAN atan
+#define JO_TANH tanh
+#endif
+
+static jo_real result(int operation, jo_real a, jo_real b, jo_real c)
+{
+    switch (operation) {
+    case JO_DO_add: return a + b;
+    case JO_DO_subtract: return a - b;
+    case JO_DO_multiply: return a * b;
+    case JO_DO_divide: return a / b;
+    case JO_DO_sqrt: return jo_sqrt(a);
+    case JO_DO_exp: return jo_exp(a);
+    case JO_DO_log: return JO_LOG(a);
+    case JO_DO_sin: return jo_sin(a);
+    case JO_DO_cos: return jo_cos(a);
+    case JO_DO_atan: return JO_ATAN(a);
+    case JO_DO_tanh: return JO_TANH(a);
+    case JO_DO_power: return power(a, b);
+    case JO_DO_minimum: return JO_RE(a) < JO_RE(b) ? a : b;
+    case JO_DO_maximum: return JO_RE(a) > JO_RE(b) ? a : b;
+    default: return JO_RE(a) > 0.0 ? b : c;   /* JO_DO_select */
+    }
+}
+
+static void run(jo_network *w, int from, int to)
+{
+    const int first = w->registers - w->instructions;
+    for (int i = from; i < to; i++) {
+        const int *k = w->code + 4 * i;
+        w->r[first + i] = result(k[0], w->r[k[1]], w->r[k[2]], w->r[k[3]]);
+    }
+}
+
+void jo_network_evaluate(const jo_model *m, const jo_data *d, jo_network *w, const jo_real *x, double lead, int derivatives)
+{
+    jo_real *r = w->r + w->fixed;
+    for (int i = 0; i < w->n; i++) *r++ = x[i];
+    for (int i = 0; i < w->m; i++) *r++ = d->coordinate[w->coordinate[i]].value;
+    for (int i = 0; i < w->m; i++) *r++ = d->coordinate[w->coordinate[i]].rate;
+    *r++ = d->time[0] + lead;
+    for (int i = 0; i < w->nsignal; i++) *r++ = jo_signal_at(m, d, w->signal[i], d->time[0] + lead).value;
+    run(w, 0, w->values);
+    if (!derivatives) return;
+    run(w, w->values, w->instructions);
+    const int columns = w->n + 2 * w->m;
+    for (int i = 0; i < (w->n + w->m) * columns; i++) w->S[i] = jo_same(0.0);
+    for (int i = 0; i < w->nslope; i++) {
+        const int *k = w->slope + 3 * i;
+        w->S[k[0] * columns + k[1]] += w->r[k[2]];
+    }
+}
+
+jo_real jo_network_value(const jo_model *m, const jo_data *d, int network, int number)
+{
+    jo_network *w = &d->networks.list[network];
+    jo_network_evaluate(m, d, w, jo_states(m, d) + m->force[w->force].state, 0.0, 0);
+    return w->r[number];
+}
+
+void jo_network_factor(jo_real *A, int n, int *pivot)
+{
+    for (int k = 0; k < n; k++) {
+        int best = k;
+        for (int i = k + 1; i < n; i++)
+            if (fabs(JO_RE(A[i * n + k])) > fabs(JO_RE(A[best * n + k]))) best = i;
+        pivot[k] = best;
+        for (int j = 0; j < n && best != k; j++) {
+            const jo_real x = A[k * n + j];
+            A[k * n + j] = A[best * n + j];
+            A[best * n + j] = x;
+        }
+        const jo_real inverse = 1.0 / A[k * n + k];
+        for (int i = k + 1; i < n; i++) {
+            if (A[i * n + k] == 0.0) continue;
+            const jo_real s = A[i * n + k] * inverse;
+            A[i * n + k] = s;
+            for (int j = k + 1; j < n; j++) A[i * n + j] -= s * A[k * n + j];
+        }
+    }
+}
+
+void jo_network_solve(const jo_real *A, int n, const int *pivot, jo_real *x)
+{
+    for (int k = 0; k < n; k++) {
+        const jo_real t = x[pivot[k]];
+        x[pivot[k]] = x[k];
+        x[k] = t;
+    }
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < i; j++) x[i] -= A[i * n + j] * x[j];
+    for (int i = n - 1; i >= 0; i--) {
+        for (int j = i + 1; j < n; j++) x[i] -= A[i * n + j] * x[j];
+        x[i] /= A[i * n + i];
+    }
+}
+
+/* Response of the states, (ca - cv f_x) dx' = f_s ds + f_s' ds', dx = cv dx' for a unit of algorithmic rate: K = -(F_s + cv F_x A^-1 f_s),
+ * D = -(F_s' + cv F_x A^-1 f_s'), P = F_x A^-1 */
+void jo_network_response(jo_network *w, double ca, double cv)
+{
+    const int n = w->n, m = w->m, columns = n + 2 * m;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) w->A[i * n + j] = (i == j ? ca : 0.0) - cv * w->S[i * columns + j];
+    jo_network_factor(w->A, n, w->pivot);
+    for (int i = 0; i < m * m; i++) w->K[i] = w->D[i] = jo_same(0.0);
+    for (int j = 0; j < 2 * m; j++) {   /* column by column: z = A^-1 f_s */
+        jo_real *y = j < m ? w->K + j : w->D + j - m;
+        int any = 0;
+        for (int i = 0; i < n; i++) {
+            w->z[i] = w->S[i * columns + n + j];
+            any |= w->z[i] != 0.0;
+        }
+        if (any) jo_network_solve(w->A, n, w->pivot, w->z);
+        for (int k = 0; k < m; k++) {
+            const jo_real *row = w->S + (n + k) * columns;
+            jo_real sum = row[n + j];
+            for (int i = 0; i < n && any; i++) sum += cv * row[i] * w->z[i];
+            y[k * m] = -sum;
+        }
+    }
+}

@@ -1,0 +1,13 @@
+"""Law of the engine of first-order states, see `jousto.mechanism.states.block`."""
+
+from jousto.mechanism.forces.law import EngineLaw
+
+EngineLaw(
+    "network",
+    constants=(
+        *("number", "states", "coordinates", "signals", "constants"),
+        *("values", "instructions", "pushes", "slopes"),
+    ),
+    between=True,
+    fast={"states": ()},
+).declared()

@@ -1,0 +1,177 @@
+"""Programs of the engine: expressions as a list of operations, with their derivatives.
+
+Equal operations are stored once. Derivatives follow by the chain rule, backwards from each result
+(Griewank and Walther, Evaluating Derivatives, 2008, chapter 6), as further operations of the list.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+Of: TypeAlias = tuple[int, ...] | int | float | complex
+"""Operands of an operation, index of a leaf, or a number."""
+LEAVES = ("state", "value", "rate", "time", "signal")
+
+FOLDED: dict[str, Callable[..., float]] = {
+    "add": lambda a, b: a + b,
+    "subtract": lambda a, b: a - b,
+    "multiply": lambda a, b: a * b,
+    "divide": lambda a, b: a / b,
+    "sqrt": math.sqrt,
+    "exp": math.exp,
+    "log": math.log,
+    "sin": math.sin,
+    "cos": math.cos,
+    "atan": math.atan,
+    "tanh": math.tanh,
+    "power": lambda a, b: a**b,
+    "minimum": min,
+    "maximum": max,
+    "select": lambda a, b, c: b if a > 0 else c,
+}
+"""The operations of the engine (``jo_do``) on numbers."""
+
+
+@dataclass(eq=False)
+class Program:
+    """List of operations; each entry is a number, a leaf, or an operation on earlier entries."""
+
+    nodes: list[tuple[str, Of]] = field(default_factory=list)
+    _known: dict[tuple[str, Of], int] = field(default_factory=dict)
+
+    def _node(self, kind: str, of: Of) -> int:
+        key = (kind, of)
+        if key not in self._known:
+            self._known[key] = len(self.nodes)
+            self.nodes.append(key)
+        return self._known[key]
+
+    def number(self, x: float | complex) -> int:
+        """Return the entry of a number; complex ones are numbers with a derivative."""
+        return self._node("number", x + 0.0)
+
+    def leaf(self, kind: str, index: int = 0) -> int:
+        """Return the entry of a state, value, rate, signal with an index, or of time."""
+        return self._node(kind, index)
+
+    def _value(self, node: int) -> float | None:
+        kind, of = self.nodes[node]
+        return of if kind == "number" and isinstance(of, float) else None
+
+    def add(self, operation: str, *parts: int) -> int:
+        """Return the entry of an operation; operations on numbers are carried out."""
+        values = [self._value(part) for part in parts]
+        if all(x is not None for x in values):
+            try:
+                return self.number(FOLDED[operation](*values))
+            except (ValueError, ZeroDivisionError, OverflowError):
+                return self.number(math.nan)
+        kept = self._simple(operation, parts, values)
+        return self._node(operation, parts) if kept is None else kept
+
+    def _simple(
+        self, operation: str, parts: tuple[int, ...], values: Sequence[float | None]
+    ) -> int | None:
+        """Return the operand that an operation with 0 or 1 leaves, or None."""
+        a, b = (*values, None)[:2]
+        if operation == "add":
+            return parts[1] if a == 0.0 else parts[0] if b == 0.0 else None
+        if operation == "subtract":
+            return parts[0] if b == 0.0 else None
+        if operation == "multiply":
+            if a == 0.0 or b == 0.0:
+                return self.number(0.0)
+            return parts[1] if a == 1.0 else parts[0] if b == 1.0 else None
+        if operation == "divide":
+            return self.number(0.0) if a == 0.0 else parts[0] if b == 1.0 else None
+        if operation == "power":
+            if b == 1.0:
+                return parts[0]
+            return self.add("multiply", parts[0], parts[0]) if b == 2.0 else None
+        if operation == "select" and parts[1] == parts[2]:
+            return parts[1]
+        return None
+
+    def _partial(self, node: int, parts: tuple[int, ...]) -> tuple[int, ...]:
+        """Return the derivatives of an operation with respect to its operands."""
+        one, none = self.number(1.0), self.number(0.0)
+        a, b, c = (*parts, none, none)[:3]
+        match self.nodes[node][0]:
+            case "add":
+                return one, one
+            case "subtract":
+                return one, self.number(-1.0)
+            case "multiply":
+                return b, a
+            case "divide":
+                inverse = self.add("divide", one, b)
+                return inverse, self.add("subtract", none, self.add("multiply", node, inverse))
+            case "sqrt":
+                return (self.add("divide", self.number(0.5), node),)
+            case "exp":
+                return (node,)
+            case "log":
+                return (self.add("divide", one, a),)
+            case "sin":
+                return (self.add("cos", a),)
+            case "cos":
+                return (self.add("subtract", none, self.add("sin", a)),)
+            case "atan":
+                square = self.add("multiply", a, a)
+                return (self.add("divide", one, self.add("add", one, square)),)
+            case "tanh":
+                return (self.add("subtract", one, self.add("multiply", node, node)),)
+            case "power":
+                less = self.add("power", a, self.add("subtract", b, one))
+                if self._value(b) is not None:
+                    return self.add("multiply", b, less), none
+                return self.add("multiply", b, less), self.add("multiply", node, self.add("log", a))
+            case "minimum":
+                more = self.add("subtract", b, a)
+                return self.add("select", more, one, none), self.add("select", more, none, one)
+            case "maximum":
+                more = self.add("subtract", a, b)
+                return self.add("select", more, one, none), self.add("select", more, none, one)
+            case _:  # select
+                return none, self.add("select", a, one, none), self.add("select", a, none, one)
+
+    def derivatives(self, node: int) -> dict[tuple[str, int], int]:
+        """Return the derivatives of an entry with respect to states, values and rates.
+
+        Returns
+        -------
+        dict
+            Entries of the derivatives that are not 0 by kind and index of the leaf.
+        """
+        slope = {node: self.number(1.0)}
+        found: dict[tuple[str, int], int] = {}
+        for at in sorted(self.below([node]), reverse=True):
+            if at not in slope:
+                continue
+            kind, of = self.nodes[at]
+            if isinstance(of, tuple):
+                for part, own in zip(of, self._partial(at, of), strict=False):
+                    more = self.add("multiply", slope[at], own)
+                    before = slope.get(part)
+                    slope[part] = more if before is None else self.add("add", before, more)
+            elif kind in ("state", "value", "rate") and self._value(slope[at]) != 0.0:
+                assert isinstance(of, int)
+                found[kind, of] = slope[at]
+        return found
+
+    def below(self, nodes: Iterable[int]) -> set[int]:
+        """Return all entries on which some entries depend, with these."""
+        seen: set[int] = set()
+        stack = list(nodes)
+        while stack:
+            at = stack.pop()
+            if at in seen:
+                continue
+            seen.add(at)
+            of = self.nodes[at][1]
+            if isinstance(of, tuple):
+                stack += of
+        return seen

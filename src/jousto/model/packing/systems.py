@@ -1,0 +1,302 @@
+"""Systems of blocks that depend on one another, as one force law of the engine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from jousto.base.errors import InputError, Problem, suggest
+from jousto.mechanism.forces.base import ForceElement, Packed, Push
+from jousto.mechanism.joints.coordinate import Coordinate
+from jousto.mechanism.signals.base import Signal
+from jousto.mechanism.states.block import Block, Equations
+from jousto.mechanism.states.expression import Expression, leaves_of
+from jousto.model.native.header import kinds, packed
+from jousto.model.packing.program import LEAVES, Program
+
+
+class System(ForceElement):
+    """Blocks that depend on one another, and expressions that are measured.
+
+    Parameters
+    ----------
+    number : int
+        Number of the system.
+    blocks : sequence of Block
+        Blocks of the system.
+    watched : sequence of Expression
+        Expressions that sensors measure.
+    """
+
+    kind = "states"
+    number: int
+    blocks: tuple[Block, ...]
+    watched: tuple[Expression, ...]
+    _made: _Assembly
+
+    def __init__(self, number: int, blocks: Sequence[Block], watched: Sequence[Expression]) -> None:
+        values = {
+            "name": ", ".join(block.name for block in blocks) or "expressions",
+            "number": number,
+            "blocks": tuple(blocks),
+            "watched": tuple(watched),
+            "_made": _Assembly(blocks, watched),
+        }
+        for key, value in values.items():
+            object.__setattr__(self, key, value)
+
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The system as a law of the engine."""
+        names = tuple(f"{block.name}.{name}" for block, name in self._made.states)
+        return (Push("network", {}, numbers=self._packed, states=names, active=True),)
+
+    @property
+    def registers(self) -> dict[int, int]:
+        """Registers of the watched expressions by their id."""
+        made = self._made
+        pairs = zip(self.watched, made.seen, strict=True)
+        return {id(one): made.register[node] for one, node in pairs}
+
+    def _packed(self, builder: Any) -> Packed:
+        made = self._made
+        places = [builder.declared(c) for c in made.coordinates]
+        ends = [(builder.coordinates[k].a, builder.coordinates[k].b) for k in places]
+        bodies = {builder.markers[i].body for pair in ends for i in pair} - {-1}
+        sizes = [(block.starts[name], block.nominals.get(name, 1.0)) for block, name in made.states]
+        data = packed(
+            "jo_network_data",
+            [start for start, _ in sizes],
+            [size for _, size in sizes],
+            places,
+            [builder.signal(signal) for signal in made.signals],
+            made.constants,
+            made.code,
+            [made.register[node] for node in made.rates],
+            [x for k, node in made.pushes for x in (k, made.register[node])],
+            [x for row, column, node in made.slopes for x in (row, column, made.register[node])],
+            number=self.number,
+            states=len(made.states),
+            coordinates=len(places),
+            signals=len(made.signals),
+            constants=len(made.constants),
+            values=made.values,
+            instructions=len(made.code) // 4,
+            pushes=len(made.pushes),
+            slopes=len(made.slopes),
+        )
+        return Packed(data, coupled=(tuple(sorted(bodies)),))
+
+
+class _Assembly:
+    """Program of a system, and what its registers mean."""
+
+    def __init__(self, blocks: Sequence[Block], watched: Sequence[Expression]) -> None:
+        self.program = Program()
+        self.coordinates: list[Coordinate] = []
+        self.signals: list[Signal] = []
+        self.states = [(block, name) for block in blocks for name in block.starts]
+        self._state = {(id(block), name): i for i, (block, name) in enumerate(self.states)}
+        self._named = {block.name: block for block in blocks}
+        self._equations: dict[int, Equations] = {}
+        self._blocks = blocks
+        self._outputs: dict[tuple[int, str], int] = {}
+        self._nodes: dict[int, int] = {}
+        self._places: dict[Any, int] = {}
+        equations = [self._of(block) for block in blocks]
+        self._add_outputs()
+        self.rates = [
+            self._node(one.rates[name])
+            for block, one in zip(blocks, equations, strict=True)
+            for name in block.starts
+        ]
+        self.pushes = [
+            (self._coordinate(c), self._node(force)) for one in equations for c, force in one.forces
+        ]
+        self.seen = [self._node(one) for one in watched]
+        self._differentiate()
+        self._lay_out()
+
+    def _of(self, block: Block) -> Equations:
+        if id(block) not in self._equations:
+            self._equations[id(block)] = block.checked()
+        return self._equations[id(block)]
+
+    def _coordinate(self, coordinate: Coordinate) -> int:
+        key = coordinate.key
+        if key not in self._places:
+            self._places[key] = len(self.coordinates)
+            self.coordinates.append(coordinate)
+        return self._places[key]
+
+    def _node(self, one: Expression) -> int:
+        """Return the entry of an expression; outputs are replaced by what they consist of."""
+        stack = [one]
+        while stack:  # no recursion: expressions may be deep
+            at = stack[-1]
+            if id(at) in self._nodes:
+                stack.pop()
+                continue
+            missing = [part for part in at.operands if id(part) not in self._nodes]
+            if missing:
+                stack += missing
+                continue
+            self._nodes[id(at)] = self._entry(at)
+            stack.pop()
+        return self._nodes[id(one)]
+
+    def _entry(self, one: Expression) -> int:
+        p, kind = self.program, one.operation
+        if one.operands:
+            return p.add(kind, *(self._nodes[id(part)] for part in one.operands))
+        if kind == "number":
+            return p.number(one.of)
+        if kind == "time":
+            return p.leaf("time")
+        if kind in ("value", "rate"):
+            return p.leaf(kind, self._coordinate(one.of))
+        if kind == "signal":
+            if not any(one.of is other for other in self.signals):
+                self.signals.append(one.of)
+            return p.leaf(kind, next(i for i, x in enumerate(self.signals) if x is one.of))
+        block, name = self._target(one)
+        if name in block.starts:
+            return p.leaf("state", self._state[id(block), name])
+        return self._outputs[id(block), name]
+
+    def _target(self, leaf: Expression) -> tuple[Block, str]:
+        """Return the block and the name of the state or output to which a leaf refers."""
+        of, name = leaf.of
+        return (self._named[of] if leaf.operation == "named" else of), name
+
+    def _add_outputs(self) -> None:
+        """Add all outputs, each after those that it needs.
+
+        Raises
+        ------
+        InputError
+            If outputs need one another.
+        """
+        on_path: list[tuple[Block, str]] = []
+        stack = [(block, name) for block in self._blocks for name in block.outputs]
+        while stack:  # depth first, without recursion: chains of blocks may be long
+            block, name = stack[-1]
+            key = (id(block), name)
+            if key in self._outputs:
+                stack.pop()
+                continue
+            if on_path and on_path[-1] == (block, name):  # all that it needs is there
+                self._outputs[key] = self._node(self._of(block).outputs[name])
+                on_path.pop()
+                stack.pop()
+                continue
+            if (block, name) in on_path:
+                loop = [*on_path[on_path.index((block, name)) :], (block, name)]
+                text = (
+                    f"algebraic loop: {' needs '.join(f'{b.name}.{n}' for b, n in loop)}; a lag "
+                    "or an integrator in the loop opens it"
+                )
+                raise InputError(Problem(f"{block.kind} {block.name!r}", text))
+            on_path.append((block, name))
+            for leaf in leaves_of([self._of(block).outputs[name]]):
+                if leaf.operation in ("state", "output", "named"):
+                    other, part = self._target(leaf)
+                    if part not in other.starts and (id(other), part) not in self._outputs:
+                        stack.append((other, part))
+
+    def _differentiate(self) -> None:
+        n, m = len(self.states), len(self.coordinates)
+        first = {"state": 0, "value": n, "rate": n + m}
+        rows = [*enumerate(self.rates), *((n + k, node) for k, node in self.pushes)]
+        self._values = self.program.below([*self.rates, *(x for _, x in self.pushes), *self.seen])
+        self.slopes = [
+            (row, first[kind] + index, slope)
+            for row, node in rows
+            for (kind, index), slope in self.program.derivatives(node).items()
+        ]
+
+    def _lay_out(self) -> None:
+        """Give every entry a register: numbers, leaves, then results in order."""
+        nodes = self.program.nodes
+        used = sorted(self._values) + sorted(
+            self.program.below(node for *_, node in self.slopes) - self._values
+        )
+        numbers = [k for k in used if nodes[k][0] == "number"]
+        self.constants = [nodes[k][1] for k in numbers]
+        self.register = {k: i for i, k in enumerate(numbers)}
+        sizes = {
+            "state": len(self.states),
+            "value": len(self.coordinates),
+            "rate": len(self.coordinates),
+            "time": 1,
+            "signal": len(self.signals),
+        }
+        at = len(numbers)
+        first = {}
+        for kind in LEAVES:
+            first[kind] = at
+            at += sizes[kind]
+        numbers_of = kinds("jo_do")
+        self.code: list[int] = []
+        self.values = 0
+        for k in used:
+            kind, of = nodes[k]
+            if kind in first:
+                assert isinstance(of, int)
+                self.register[k] = first[kind] + of
+            elif isinstance(of, tuple):
+                self.register[k] = at
+                at += 1
+                operands = [self.register[part] for part in of]
+                self.code += [numbers_of[kind], *operands, *(3 - len(operands)) * [operands[0]]]
+                self.values += k in self._values
+
+
+def systems_of(blocks: Sequence[Block], watched: Sequence[Expression]) -> list[System]:
+    """Return the systems of the blocks of a mechanism; those that do not meet are separate.
+
+    Raises
+    ------
+    InputError
+        If an expression refers to a block that is not among them, or outputs form a loop.
+    """
+    leader = {id(block): id(block) for block in blocks}
+    named = {block.name: block for block in blocks}
+
+    def root(key: int) -> int:
+        while leader[key] != key:
+            leader[key] = leader[leader[key]]
+            key = leader[key]
+        return key
+
+    def meet(key: int, roots: Iterable[Expression], where: str) -> None:
+        for leaf in leaves_of(roots):
+            if leaf.operation not in ("state", "output", "named"):
+                continue
+            of, part = leaf.of
+            other = named.get(of) if leaf.operation == "named" else of
+            if other is None:
+                raise InputError(Problem(where, f"no block {of!r}{suggest(of, named)}"))
+            if id(other) not in leader:
+                raise InputError(
+                    Problem(where, f"needs the block {other.name!r}, which is not in the mechanism")
+                )
+            if part not in other.starts and part not in other.outputs:
+                known = (*other.starts, *other.outputs)
+                text = f"needs {part!r} of block {other.name!r}{suggest(part, known)}"
+                raise InputError(Problem(where, text))
+            leader[root(id(other))] = root(key)
+
+    for block in blocks:
+        made = block.checked()
+        roots = (*made.rates.values(), *made.outputs.values(), *(f for _, f in made.forces))
+        meet(id(block), roots, f"{block.kind} {block.name!r}")
+    for one in watched:
+        leader[id(one)] = id(one)
+        meet(id(one), [one], "sensor")
+    members: dict[int, tuple[list[Block], list[Expression]]] = {}
+    for block in blocks:
+        members.setdefault(root(id(block)), ([], []))[0].append(block)
+    for one in watched:
+        members.setdefault(root(id(one)), ([], []))[1].append(one)
+    return [System(i, *some) for i, some in enumerate(members.values())]
