@@ -48,13 +48,11 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
         jo_real *rate = jo_state_rates(m, d) + f->state;
         for (int i = 0; i < w->n; i++) rate[i] = w->r[w->rate[i]];
     }
-    for (int i = 0; i < w->npush; i++) {
-        const int c = w->coordinate[w->push[2 * i]];
-        const jo_real force = w->r[w->push[2 * i + 1]];
-        d->power.forces += force * d->coordinate[c].rate;
-        jo_push_along(m, d, c, force);
-    }
+    for (int i = 0; i < w->npush; i++) jo_push_along(m, d, w->coordinate[w->push[2 * i]], w->r[w->push[2 * i + 1]]);
     if (stage->contacts) jo_network_implicit(m, d, stage, w);
+    if (w->timed && stage->lead != 0.0) jo_network_evaluate(m, d, w, own_states(m, d, f), 0.0, 0);   /* the power is that of the present */
+    for (int i = 0; i < w->npush; i++)
+        d->power.forces += w->r[w->push[2 * i + 1]] * d->coordinate[w->coordinate[w->push[2 * i]]].rate;
     return JO_OK;
 }
 

@@ -11,6 +11,7 @@ typedef struct jo_network {
     int n, m;               /* states, coordinates */
     int values, instructions, registers;   /* instructions for values, and with those for derivatives */
     int nsignal, npush, nslope, fixed;     /* fixed: constant registers */
+    int timed;              /* whether forces depend on time or signals */
     int *coordinate, *signal;   /* (m), (nsignal) */
     int *code;              /* (4 x instructions) operation and operands, see network_program.c */
     int *rate, *push, *slope;   /* (n) register of x'; (2 x npush) coordinate, register; (3 x nslope) row, column, register */

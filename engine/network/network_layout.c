@@ -89,6 +89,10 @@ static void read(const jo_force *f, jo_network *w)
     x = read_ints(x, w->rate, w->n);
     x = read_ints(x, w->push, 2 * w->npush);
     read_ints(x, w->slope, 3 * w->nslope);
+    const int time = w->fixed + w->n + 2 * w->m;
+    w->timed = w->nsignal > 0;
+    for (int i = 0; i < 4 * w->values; i++) w->timed |= i % 4 && w->code[i] == time;
+    for (int i = 0; i < w->npush; i++) w->timed |= w->push[2 * i + 1] == time;
 }
 
 void jo_networks_layout(const jo_model *m, jo_data *d, jo_arena *a)

@@ -336,3 +336,15 @@ def test_gradient_with_respect_to_a_number_of_a_block(core: str) -> None:
     step = 1e-7
     ends = [float(study([5e-4 + sign * step])[0]) for sign in (1, -1)]
     assert found.jacobian[0, 0] == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-6)
+
+
+@pytest.mark.parametrize("core", CORES)
+def test_energy_that_a_block_supplies(core: str) -> None:
+    """Work of the torque is the kinetic energy and what friction takes, of order 2 in the step."""
+    errors = []
+    for step in (4e-4, 2e-4):
+        model = jo.compile(motor(core, jo.Harmonic(frequency=40.0, amplitude=12.0)))
+        run = jo.simulate(model, 0.04, solver=jo.ROS2(step))
+        errors.append(float(np.abs(run.energy.error).max()))
+    assert errors[1] < 0.3 * errors[0]
+    assert errors[1] < 1e-3 * float(np.abs(run.energy.kinetic).max())
