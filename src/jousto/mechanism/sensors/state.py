@@ -62,4 +62,4 @@ class StateSensor(Sensor, tag="state"):
     @property
     def description(self) -> str:
         """One line for results and plots."""
-        return f"value of {self.of!r}"
+        return f"value of {self.of}"

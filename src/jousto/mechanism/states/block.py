@@ -193,7 +193,7 @@ class States(Block, tag="states"):
     ...     inputs={"voltage": 12.0, "speed": rate(axle.angle)},
     ...     forces={axle.angle: "0.1*current"},
     ... )
-    >>> motor["current"]
+    >>> print(motor["current"])
     motor.current
     """
 

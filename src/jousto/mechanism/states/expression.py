@@ -41,19 +41,22 @@ class Expression(Signal):
         set_fields(self, operation=operation, operands=parts, of=of)
 
     def __repr__(self) -> str:
+        return f"<Expression {self}>"
+
+    def __str__(self) -> str:
         if self.operation in ("state", "output"):
             return f"{self.of[0].name}.{self.of[1]}"
         if self.operation == "named":
             return f"{self.of[0]}.{self.of[1]}"
         if self.operation == "number":
             return repr(self.of)
-        inner = ", ".join(map(repr, self.operands)) or getattr(self.of, "name", "")
+        inner = ", ".join(map(str, self.operands)) or getattr(self.of, "name", "")
         return f"{self.operation}({inner})"
 
     def jet(self, t: Array) -> Jet:
         """Raise InputError: the value depends on the motion."""
         raise InputError(
-            Problem(repr(self), "depends on the motion and has no value as a function of time")
+            Problem(str(self), "depends on the motion and has no value as a function of time")
         )
 
     @property
@@ -100,7 +103,7 @@ class Expression(Signal):
 
     def __bool__(self) -> bool:
         raise InputError(
-            Problem(repr(self), "has no truth value before the run; take where(x, if_positive, "
+            Problem(str(self), "has no truth value before the run; take where(x, if_positive, "
                     "otherwise)")
         )  # fmt: skip
 

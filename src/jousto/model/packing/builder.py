@@ -240,7 +240,7 @@ class Builder:
         if id(signal) not in self._registers:
             raise InputError(
                 Problem(
-                    repr(signal),
+                    str(signal),
                     "depends on the motion; forces, drives and references take signals of time. "
                     "Give it to a block of states, whose forces act along coordinates",
                 )
