@@ -126,7 +126,9 @@ typedef struct {
     const jo_real *vertex, *plane, *corner, *neighbour, *group, *patch, *first, *fan, *box;   /* see mesh.c */
 } jo_mesh;
 
+#ifndef JO_VECTOR
 static inline int jo_is_mesh(const jo_real *data) { return (int)JO_RE(data[0]) == JO_MESH_MARK; }
+#endif
 
 /* Distance of a polytope from a surface, less both radii: normal at the nearest place. For the proof of a gap: part of the surface there, > 0 a
  * plane, < 0 a patch, 0 unknown; curvature of the distance above it, 1/m; distance of everything else. */
