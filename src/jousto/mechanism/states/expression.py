@@ -41,7 +41,7 @@ class Expression(Signal):
         set_fields(self, operation=operation, operands=parts, of=of)
 
     def __repr__(self) -> str:
-        return f"<Expression {self}>"
+        return f"<Expression: {self}>"
 
     def __str__(self) -> str:
         if self.operation in ("state", "output"):
