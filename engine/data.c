@@ -34,6 +34,7 @@ static void lay_state(const jo_model *m, jo_arena *a, jo_data *d)
     d->rub = jo_take_reals(a, 2 * m->nfriction);
     d->happened = jo_take(a, (size_t)m->nevent * sizeof(int));
     d->memory = jo_take(a, (size_t)m->nmemory * sizeof(double));
+    d->contact_energy = jo_take_reals(a, jo_contact_energy_size(m));
     jo_integrate_layout_state(m, d, a);
     d->x = jo_take_reals(a, m->nx + m->nu + m->nstate + JO_WIDTH - 1);   /* x, u and states; padding, as u is not aligned */
     d->u = d->x + m->nx;
@@ -54,6 +55,7 @@ static jo_data *lay_out(const jo_model *m, jo_arena *a)
     jo_force_layout(m, d, a);
     jo_contact_layout(m, d, a);
     jo_networks_layout(m, d, a);
+    jo_contact_record_layout(m, d, a);
     jo_beam_layout(m, d, a);
     jo_newton_layout(m, d, a);
     jo_friction_layout(m, d, a);

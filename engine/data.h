@@ -31,6 +31,7 @@ struct jo_data {
     jo_real *held;          /* (2 nlock) */
     jo_real *direction, *rub;   /* (2 nfriction) */
     double *memory;         /* (nmemory) */
+    jo_real *contact_energy;   /* (jo_contact_energy_size) */
     jo_work work;           /* work since the start, J */
     jo_counts counts;
     int error_index;
@@ -60,6 +61,7 @@ struct jo_data {
     jo_contacts contacts;
     jo_contact_sets contact_sets;
     jo_networks networks;
+    jo_contact_record contact_record;
     jo_beams beams;
     jo_anderson friction;
     jo_tree tree;

@@ -97,7 +97,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 25 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 27 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -144,7 +144,8 @@ typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTA
                JO_SENSOR_ACCELERATION_PARTS = 23,
                JO_SENSOR_DEFORMATION_MOMENTUM = 24,
                JO_SENSOR_FORCE_STATE = 25,
-               JO_SENSOR_BODY_LOAD = 26, JO_SENSOR_MODAL_LOAD = 27 } jo_sensor_type;
+               JO_SENSOR_BODY_LOAD = 26, JO_SENSOR_MODAL_LOAD = 27,
+               JO_SENSOR_CONTACT = 28 } jo_sensor_type;
 /* operations of the programs of networks, see network_program.c */
 typedef enum { JO_DO_add = 0, JO_DO_subtract = 1, JO_DO_multiply = 2, JO_DO_divide = 3, JO_DO_sqrt = 4, JO_DO_exp = 5, JO_DO_log = 6,
                JO_DO_sin = 7, JO_DO_cos = 8, JO_DO_atan = 9, JO_DO_tanh = 10, JO_DO_power = 11, JO_DO_minimum = 12, JO_DO_maximum = 13,
@@ -398,7 +399,8 @@ typedef struct {
                              * jo_load_kind */
     int offset, count;      /* range in the sensor vector */
     const jo_real *rows;    /* STRESS: (count x np), VON_MISES: (6 count x np), PRINCIPAL: (2 count x np), row-major;
-                             * BRIDGE: (5 x np) relative resistance of four arms; the last row has their drifts, 1/K */
+                             * BRIDGE: (5 x np) relative resistance of four arms; the last row has their drifts, 1/K;
+                             * CONTACT: what is summed, see contact_sensor.c; object: the first force of a contact, or a set */
 } jo_sensor;
 
 /* Damage meter: rainflow count of a value, sample by sample (four-point rule), and Miner's sum.
@@ -510,10 +512,28 @@ int jo_cpu_level(void);                          /* x86-64 level of this process
 const jo_tableau *jo_method_tableau(int method);   /* of a jo_method; no stages: its family has no tableau */
 jo_data *jo_data_new(const jo_model *m);         /* NULL without memory */
 long long jo_data_bytes(const jo_model *m);      /* size of a jo_data and all its arrays, bytes */
-enum { JO_CONTACT_ROW = 8 };
-/* pairs of sets that are near at the present state, after jo_accelerations; out (slots x JO_CONTACT_ROW): force of the set; shape that is
- * touched, and the other one; phase (0: apart); distance, m, < 0 in contact; force on the other one, N, world. Returns their number */
-int jo_near_contacts(const jo_model *m, jo_data *d, double *out);
+/* A point at which bodies touch or nearly do: force, and number among the points of this force; shape of a set that is touched, and the other
+ * one, else -1; phase (0 apart, 1 sticks, 2 slips), code of the features of two polytopes (< 0: of a surface of
+ * triangles); gap, m, < 0 in contact; place, m, and normal of
+ * a, world; normal force N, N; friction force on b, N, world; rate of the depth, m/s; speed of approach, m/s, and time, s, of the last
+ * touch; energy stored in the normal force and in the bristle, J; power that the normal force dissipates, and of friction, W; largest
+ * pressure of a set whose law is that of Hertz, Pa, else 0 */
+typedef struct {
+    double force, number, shapes[2], phase, feature, gap, place[3], normal[3], N, friction[3], rate, speed, since, stored[2], power[2], pressure;
+} jo_touch;
+int jo_contact_report(const jo_model *m, jo_data *d, int most, jo_touch *out);   /* out (most), at the present state; their number */
+
+/* A contact from its touch to its part: force; shapes of a set, as above; times of touch and part, s, NaN while it touches; speed of approach
+ * and of parting, m/s; largest normal force, N, and depth, m; impulse of the normal force and of the size of the friction force, N s;
+ * energy lost by the normal force and by friction, J; number of steps */
+typedef struct { double force, shapes[2], touch, part, approach, rebound, largest, depth, impulse, rubbing, lost[2], steps; } jo_touched;
+/* (count) those that have parted in the last jo_run, jo_step or jo_follow; dropped: for which there was no room, since the start */
+const jo_touched *jo_data_touched(const jo_data *d, int *count, long long *dropped);
+int jo_data_touching(const jo_model *m, const jo_data *d, jo_touched *out);   /* (nyielding) those that touch now; their number */
+enum { JO_CONTACT_ENERGIES = 3 };
+/* (JO_CONTACT_ENERGIES; none without contacts) energy stored in contacts at the last row, and what they have lost since the start by
+ * their normal forces (restitution) and by friction, J */
+jo_real *jo_data_contact_energy(jo_data *d);
 enum { JO_DOUBT = 4, JO_MOST_DOUBTS = 16 };
 /* steps so far in which a gap may have closed for a moment shorter than can be resolved. out (JO_MOST_DOUBTS x JO_DOUBT), the first of them:
  * time, s; force, -1: a pair of a set that was not searched; shape that is touched and tip of a pair in a slot, else -1 */

@@ -586,6 +586,7 @@ def _fatigue(made: Made, _: Path) -> list[Call]:
                 "depths": [3e-4],
             },
         ),
+        (jo.fatigue.rolling_passes, {"angle": [0.0, 4.0, 8.0], "values": [1.0, 2.0, 3.0]}),
         (jo.fatigue.roughness_factor, {"Rz": 2e-5, "S_u": 5e8}),
         (jo.fatigue.size_factor, {"diameter": 0.05}),
         (jo.fatigue.thickness_factor, {"thickness": 0.05}),

@@ -187,9 +187,33 @@ static inline int jo_has_contact_sets(const jo_data *d) { return d->contact_sets
 
 /* contact_rows.c */
 int jo_is_contact_set(const jo_force *f);
+int jo_shape_count(const jo_force *set);
 int jo_shape_marker(const jo_force *set, int shape);   /* marker of a shape of a set; -1 beyond the last one */
 const jo_force *jo_bound_force(const jo_data *d, const jo_force *f);   /* the contact of a slot; 0 if the slot is free */
 void jo_contact_sets_layout(const jo_model *m, jo_data *d, jo_arena *a);
+
+double jo_slot_pressure(const jo_data *d, const jo_force *slot, double N);   /* largest pressure by Hertz, Pa; 0 for other laws */
+void jo_slot_shapes(const jo_data *d, const jo_force *slot, int *shapes);   /* that is touched, and the other one; -1: free */
+
+/* contact_sensor.c */
+void jo_contact_sensor(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y);   /* after jo_yielding_ready */
+
+/* contact_record.c */
+/* k is the number of a force that yields, at the end of an accepted step */
+int jo_has_contacts(const jo_model *m);
+int jo_contact_energy_size(const jo_model *m);   /* numbers of jo_data_contact_energy; 0 without contacts */
+void jo_contact_record_layout(const jo_model *m, jo_data *d, jo_arena *a);
+void jo_record_start(const jo_model *m, jo_data *d);   /* at the start of a run, after jo_yielding_ready: contacts that touch */
+void jo_record_step(const jo_model *m, jo_data *d, int k);   /* before its states change */
+/* with its states x from then on; jumped: whether they make the force jump. Books what is lost */
+void jo_record_change(const jo_model *m, jo_data *d, int k, const jo_real *x, int jumped);
+void jo_record_release(const jo_model *m, jo_data *d);   /* contacts that are switched off lose what they store */
+jo_real jo_bristles(const jo_model *m, const jo_data *d);   /* energy that bristles stored at the end of the last step, J */
+void jo_keep_contact_losses(const jo_model *m, jo_data *d);   /* at the start of an adaptive step */
+/* within it, after a share of the step; exchanges `losses` (2) with those of its end, and books that bristles store `bristles`, J */
+void jo_place_contact_losses(jo_data *d, double share, jo_real bristles, double *losses);
+void jo_contact_list_begins(jo_data *d);
+int jo_contact_list_has_room(const jo_model *m, const jo_data *d);   /* for the events of another step */
 
 /* contact_search.c */
 /* Bind the pairs that may touch within a step of *length, s, from the present state to slots, and release those that are apart. *length is

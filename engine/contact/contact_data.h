@@ -21,4 +21,14 @@ typedef struct {
     struct jo_bound *bound; /* (nforce) contacts of slots; none without sets */
 } jo_contact_sets;
 
+/* Events of contacts from touch to part, see contact_record.h. */
+typedef struct {
+    struct jo_open_contact *open;   /* (nyielding) those that touch at present; none without contacts */
+    jo_touched *list;       /* (room) events that have ended since the start of the call */
+    int room, count;
+    double before[2];       /* losses at the start of the last adaptive step, J */
+    jo_real bristles;       /* energy that bristles stored then, J */
+    long long dropped;      /* events for which the list had no room, since the start */
+} jo_contact_record;
+
 #endif

@@ -24,6 +24,8 @@ jo_contact_rows jo_contact_rows_of(const jo_force *set)
     return y;
 }
 
+int jo_shape_count(const jo_force *set) { return jo_contact_rows_of(set).shapes; }
+
 int jo_shape_marker(const jo_force *set, int shape)
 {
     const jo_contact_rows y = jo_contact_rows_of(set);
@@ -83,6 +85,31 @@ const jo_force *jo_bound_force(const jo_data *d, const jo_force *f)
         bind(&y, f, b);
     }
     return &b->force;
+}
+
+/* p = (6 N E*^2 / (pi^3 R^2))^(1/3), R the radius of the law; its stiffness at a curvature of 1 is 4/3 E* */
+double jo_slot_pressure(const jo_data *d, const jo_force *slot, double N)
+{
+    const jo_real *state = jo_slot_states(d, slot);
+    const jo_contact_slot_data *n = (const jo_contact_slot_data *)slot->data;
+    const jo_contact_rows y = jo_contact_rows_of(slot - ((int)JO_RE(n->number) - (int)JO_RE(n->set)));
+    const int on = (int)JO_RE(state[0]) - 1, tip = (int)JO_RE(state[1]) - 1;
+    if (on < 0) return 0.0;
+    const jo_shape_row *a = &y.shape[on], *b = &y.shape[(int)JO_RE(y.tip[tip].shape)];
+    const jo_law_row *law = &y.law[(int)JO_RE(a->surface) * y.surfaces + (int)JO_RE(b->surface)];
+    if (!(JO_RE(law->hertz) > 0.0)) return 0.0;
+    const double modulus = 0.75 * JO_RE(law->stiffness), curvature = JO_RE(a->curvature[0] + b->curvature[1]);
+    return cbrt(6.0 * N * modulus * modulus * curvature * curvature) / JO_PI;
+}
+
+void jo_slot_shapes(const jo_data *d, const jo_force *slot, int *shapes)
+{
+    const jo_real *state = jo_slot_states(d, slot);
+    const jo_contact_slot_data *n = (const jo_contact_slot_data *)slot->data;
+    const jo_contact_rows y = jo_contact_rows_of(slot - ((int)JO_RE(n->number) - (int)JO_RE(n->set)));
+    const int tip = (int)JO_RE(state[1]) - 1;
+    shapes[0] = (int)JO_RE(state[0]) - 1;
+    shapes[1] = tip < 0 ? -1 : (int)JO_RE(y.tip[tip].shape);
 }
 
 double jo_shape_gap(const jo_contact_rows *y, const jo_data *d, int on, const jo_real *place)

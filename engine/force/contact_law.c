@@ -68,8 +68,7 @@ void jo_contact_stretched(const jo_real *s, jo_contact_point *y)
 jo_real jo_contact_energy(const jo_contact_law *x, int phase, const jo_contact_point *y)
 {
     if (phase == JO_CONTACT_APART) return jo_same(0.0);
-    const jo_real U = y->elastic * y->depth / (x->exponent + 1.0);
-    return jo_contact_follows(phase) ? U + 0.5 * y->shear * jo_dot3(y->stretch, y->stretch) : U;
+    return y->elastic * y->depth / (x->exponent + 1.0) + 0.5 * y->shear * jo_dot3(y->stretch, y->stretch);
 }
 
 /* Friction force F = -mu N z / |z|: z is the slip velocity, or minus the force of the bristle. A slip that has turned within the step keeps
@@ -111,10 +110,7 @@ void jo_contact_force(const jo_contact_law *x, int phase, const jo_contact_point
     for (int i = 0; i < 3; i++) F[i] = y->N * y->normal[i] + tangential[i];
     jo_cross(F + 3, y->lever, F);
     power->damping += (y->N - y->elastic) * y->rate;
-    power->friction -= jo_dot3(tangential, y->slip);
-    if (!jo_contact_follows(phase)) return;   /* else less what the bristle stores */
-    const jo_real s2 = jo_dot3(y->stretch, y->stretch);
-    power->friction -= y->shear * jo_dot3(y->stretch, y->slip) + (0.5 * y->shear_rate * y->rate - y->shear * jo_contact_growth(y)) * s2;
+    power->friction -= jo_dot3(tangential, y->slip);   /* of which bristles store a part, see contact_record.c */
 }
 
 /* change of the friction force, for the changes c of the contact, dN of the normal force and ds of the stretch */

@@ -12,12 +12,13 @@ static int breaks(const jo_contact_law *x, const jo_contact_point *y)
     return JO_RE(y->size) > JO_RE(x->mu_static * y->N) && JO_RE(jo_dot3(y->force, y->slip)) < 0.0;
 }
 
-/* stretch at which the bristle has the force mu_k N in the direction of a slip e */
-static void full_stretch(const jo_contact_law *x, const jo_contact_point *y, const jo_real *e, jo_real *s)
+/* stretch at which the bristle has the force mu_k N in the direction of a slip e, not longer than `longest` */
+static void full_stretch(const jo_contact_law *x, const jo_contact_point *y, const jo_real *e, jo_real longest, jo_real *s)
 {
     const jo_real length = jo_length3(e);
-    const jo_real share = JO_RE(length) > 0.0 && JO_RE(y->shear) > 0.0 ? x->mu_kinetic * y->N / (y->shear * length) : 0.0;
-    for (int i = 0; i < 3; i++) s[i] = share * e[i];
+    jo_real full = JO_RE(y->shear) > 0.0 ? x->mu_kinetic * y->N / y->shear : 0.0;
+    if (JO_RE(full) > JO_RE(longest)) full = longest;
+    for (int i = 0; i < 3; i++) s[i] = JO_RE(length) > 0.0 ? full * e[i] / length : 0.0;
 }
 
 /* The contact begins with the present speed of approach, or with that of `state` if it is larger. Its bristle follows the slip unless this
@@ -30,7 +31,7 @@ static void touch(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo
     const int slips = JO_RE(x->shear * x->exponent * jo_length3(y->slip)) > JO_RE(x->mu_static * y->rate);
     const jo_real none[3] = {0.0, 0.0, 0.0};
     state[JO_CONTACT_PHASE] = jo_same(slips ? JO_CONTACT_SLIPS : JO_CONTACT_STICKS);
-    full_stretch(x, y, slips ? y->slip : none, state + JO_CONTACT_STRETCH);
+    full_stretch(x, y, slips ? y->slip : none, jo_same(INFINITY), state + JO_CONTACT_STRETCH);
 }
 
 void jo_contact_start(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state)
@@ -43,15 +44,26 @@ void jo_contact_start(const jo_contact_law *x, jo_real time, jo_contact_point *y
     touch(x, time, y, state);
 }
 
-/* rates of the states from index `state` on: only a bristle that sticks moves within a step */
+/* v_t, the rate of a bristle that sticks. One that slips is stretched by the slip in its own direction e only, e max(0, e . v_t), and cut at
+ * the end of the step: it stores no more than friction has done, and its direction is kept. */
+static void stretching(int phase, const jo_real *s, const jo_contact_point *y, jo_real *rate)
+{
+    const jo_real length = jo_length3(s), along = JO_RE(length) > 0.0 ? jo_dot3(s, y->slip) / length : 0.0;
+    jo_set3(rate, y->slip);
+    for (int i = 0; i < 3 && phase == JO_CONTACT_SLIPS && JO_RE(length) > 0.0; i++) rate[i] = JO_RE(along) > 0.0 ? along * s[i] / length : 0.0;
+}
+
+/* rates of the states from index `state` on: only a bristle moves within a step; it is shortened as its stiffness grows */
 void jo_contact_move_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_contact_law *x, int state, jo_contact_point *y)
 {
     static const jo_slopes_of_state none = {0.0, 0.0, 0.0, 0.0};
-    const int moves = jo_contact_follows(jo_contact_phase(d->w + (d->nw - d->forces.nstate) + state)) && JO_RE(x->shear) > 0.0;
+    const int phase = jo_contact_phase(d->w + (d->nw - d->forces.nstate) + state), moves = phase != JO_CONTACT_APART && JO_RE(x->shear) > 0.0;
     const jo_real decay = moves ? jo_contact_growth(y) : 0.0;
+    jo_real stretch[3] = {0.0};
+    if (moves) stretching(phase, jo_states(m, d) + state + JO_CONTACT_STRETCH, y, stretch);
     for (int i = 0; i < JO_CONTACT_STATES; i++) {
         const int k = state + i, bristle = i - JO_CONTACT_STRETCH;
-        const jo_real rate = moves && bristle >= 0 ? y->slip[bristle] - decay * jo_states(m, d)[k] : 0.0;
+        const jo_real rate = moves && bristle >= 0 ? stretch[bristle] - decay * jo_states(m, d)[k] : 0.0;
         if (jo_condenses(stage)) {
             jo_condense_state(m, d, stage, k, rate, bristle >= 0 ? decay : jo_same(0.0));
             continue;
@@ -86,18 +98,18 @@ static void change_phase(const jo_contact_law *x, const jo_contact_point *y, jo_
         jo_set3(s, y->stretch);
         if (!breaks(x, y)) break;
         state[JO_CONTACT_PHASE] = jo_same(JO_CONTACT_SLIPS);
-        full_stretch(x, y, y->slip, s);
+        full_stretch(x, y, y->slip, jo_length3(y->stretch), s);
         break;
     case JO_CONTACT_EASED:
         slips = JO_RE(y->size) > JO_RE(x->mu_kinetic * y->N);
         state[JO_CONTACT_PHASE] = jo_same(slips ? JO_CONTACT_SLIPS : JO_CONTACT_STICKS);
-        if (slips) full_stretch(x, y, along, s);
+        if (slips) full_stretch(x, y, along, jo_length3(y->stretch), s);
         else jo_set3(s, y->stretch);
         break;
     case JO_CONTACT_SLIPS:
         turned = JO_RE(jo_dot3(old, y->slip)) < 0.0;
         if (turned) state[JO_CONTACT_PHASE] = jo_same(JO_CONTACT_STICKS);
-        full_stretch(x, y, turned ? old : y->slip, s);
+        full_stretch(x, y, turned ? old : y->slip, jo_length3(y->stretch), s);
         break;
     default: break;
     }

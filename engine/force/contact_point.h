@@ -67,6 +67,10 @@ void jo_contact_force_change(const jo_contact_law *x, int phase, const jo_contac
 void jo_contact_response(const jo_contact_law *x, const jo_stage *stage, const jo_real *state, const jo_contact_point *y, const jo_contact_change *c,
                          int k, const jo_real *F, jo_real *dF);
 
+/* contact_touch.c: the point is at origin + A lever, A (3 x 3): its axes in the world; adds to the sums */
+void jo_contact_touch(const jo_real *A, const jo_real *origin, const jo_contact_law *x, const jo_real *state, const jo_contact_point *y, jo_touch *t,
+                      jo_real *sums);
+
 /* contact_implicit.c: moves (6): changes of the point with the position and with the velocity of b; `state`: its first one */
 void jo_contact_implicit(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, int state, const jo_contact_point *y,
                          const jo_contact_change *moves);

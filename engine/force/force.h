@@ -17,6 +17,9 @@ static inline const jo_slopes_of_state *jo_force_slopes(const jo_data *d, int st
  * clear: gap of everything beside this face, m; INFINITY unless a kind sets it. */
 typedef struct jo_approach { double gap, rate, v[3], curvature, clear; int face, convex, seen; } jo_approach;
 
+enum { JO_MAX_TOUCHES = 8 };    /* points of a force */
+enum { JO_TOUCH_SUMS = 3 };     /* sums over points: energies of normal forces and of bristles, J; normal forces, N */
+
 /* forces that a method treats as an explicit one: none; all; those of slots of contacts, which are not in the matrix of ROS2 */
 enum { JO_EXPLICIT_NONE = 0, JO_EXPLICIT_ALL = 1, JO_EXPLICIT_SLOTS = 2 };
 
@@ -40,6 +43,8 @@ typedef struct {
     int (*approach)(const jo_model *m, const jo_data *d, const jo_force *f, jo_approach *y);
     /* points that strike with an impulse, or are closed; their number, up to `room`, see contact/impulses.h; NULL: never any */
     int (*strikes)(const jo_model *m, const jo_data *d, const jo_force *f, struct jo_strike *list, int room);
+    /* its points with the states x, at most JO_MAX_TOUCHES, and sums (JO_TOUCH_SUMS), to which it adds; returns their number; NULL: none */
+    int (*touches)(const jo_model *m, const jo_data *d, const jo_force *f, const jo_real *x, jo_touch *y, jo_real *sums);
 } jo_yielding;
 
 /* functions that the file of each kind of force defines; the rows of the kinds are in jousto.h. */
@@ -58,6 +63,9 @@ typedef struct {
 #define JO_FORCE_DECLARED(name, ...) extern const jo_force_kind jo_force_##name;
 JO_FORCES(JO_FORCE_DECLARED)
 
+/* number of the k-th force that yields */
+static inline int jo_yielding_force(const jo_data *d, int k) { return d->forces.yielding[k]; }
+
 /* force_states.c */
 int jo_condenses(const jo_stage *stage);   /* whether an implicit stage solves for the states within the forces */
 jo_real jo_condense_state(const jo_model *m, jo_data *d, const jo_stage *stage, int state, jo_real rate, jo_real decay);
@@ -70,20 +78,25 @@ int jo_apply_force(const jo_model *m, jo_data *d, const jo_stage *stage, int for
 int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 jo_real jo_stored(const jo_model *m, const jo_data *d);   /* energy of springs at the present coordinates */
+/* points of a force with the states x, after jo_yielding_ready; 0 after its release */
+int jo_touches_of(const jo_model *m, const jo_data *d, int force, const jo_real *x, jo_touch *y, jo_real *sums);
+jo_real jo_stored_in_contacts(const jo_model *m, const jo_data *d);
 void jo_state_nominals(const jo_model *m, double duration, double *x);   /* (nstate) nominal values for error control */
 const jo_yielding *jo_yielding_of(const jo_force *f);   /* NULL: it does not yield */
 void jo_force_layout(const jo_model *m, jo_data *d, jo_arena *a);
 
 /* yielding.c */
-int jo_accept_yielding(const jo_model *m, jo_data *d);   /* states at the end of a step, after jo_yielding_ready; whether forces jump */
+/* states at the end of a step, after jo_yielding_ready; records: whether the step is accepted, so that contacts are recorded; whether forces
+ * jump */
+int jo_accept_yielding(const jo_model *m, jo_data *d, int records);
 void jo_force_state(const jo_model *m, const jo_data *d, int force, int state, jo_real *y);   /* one state at present */
 jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k);   /* of force d->forces.yielding[k] */
 int jo_yielding_ready(const jo_model *m, jo_data *d);   /* coordinates of the forces that yield, at the present state */
-int jo_yielding_force(const jo_data *d, int k);   /* number of the k-th force that yields */
 int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, jo_approach *y);   /* of force d->forces.yielding[k] */
 int jo_ease_yielding(const jo_model *m, jo_data *d);   /* at the start of a step that did not converge; whether any state has changed */
 double jo_yielding_longest_step(const jo_model *m, const jo_data *d, int explicit_method);   /* of all of them, s; INFINITY: any */
-jo_real jo_yielding_loss(const jo_model *m, const jo_data *d);   /* dissipated since the start of the step, J */
+jo_real jo_yielding_loss(const jo_model *m, const jo_data *d);   /* dissipated since the start of the step, but for contacts, J */
+jo_real jo_bristles_at_end(const jo_model *m, const jo_data *d);   /* energy that bristles will store if the step ends here, J */
 void jo_force_setup(const jo_model *m, jo_data *d);
 
 #endif

@@ -174,5 +174,14 @@ static int jumps(const jo_force *f, const jo_real *before, const jo_real *after)
     return jo_contact_phase(before) != jo_contact_phase(after);
 }
 
-static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, strikes};
+static int touches(const jo_model *m, const jo_data *d, const jo_force *f, const jo_real *state, jo_touch *t, jo_real *sums)
+{
+    jo_contact_tip tip;
+    jo_contact_point y;
+    present(m, d, f, state, &tip, &y);
+    jo_contact_touch(d->marker[f->a].A, d->marker[f->b].r, jo_contact_law_of(f), state, &y, t, sums);
+    return 1;
+}
+
+static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, strikes, touches};
 const jo_force_kind jo_force_contact = {apply, stored, tangent, start, nominals, &yielding};

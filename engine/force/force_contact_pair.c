@@ -422,5 +422,21 @@ static int strikes(const jo_model *m, const jo_data *d, const jo_force *f, jo_st
     return found;
 }
 
-static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, strikes};
+static int points(const jo_model *m, const jo_data *d, const jo_force *f, const jo_real *state, jo_touch *out, jo_real *sums)
+{
+    int count = 0;
+    pair p;
+    point t;
+    if (!any_listed(f, state)) return 0;
+    read_motion(m, d, f, &p);
+    for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES) {
+        if (!jo_pair_is_listed(state)) continue;
+        present(f, &p, state, &t);
+        jo_contact_touch(d->marker[f->a].A, d->marker[f->b].r, &t.law, state, &t.y, out + count, sums);
+        out[count++].feature = p.mesh.triangles ? -JO_RE(state[JO_PAIR_CODE]) : JO_RE(state[JO_PAIR_CODE]);
+    }
+    return count;
+}
+
+static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, strikes, points};
 const jo_force_kind jo_force_contact_pair = {apply, stored, tangent, start, nominals, &yielding};

@@ -96,5 +96,19 @@ static int slot_strikes(const jo_model *m, const jo_data *d, const jo_force *f, 
     return contact ? jo_force_contact.yielding->strikes(m, d, contact, list, room) : 0;
 }
 
-static const jo_yielding yielding = {update_slot, slot_margin, slot_jumps, longest_step_of_slot, ease_slot, slot_approach, slot_strikes};
+/* `x` binds the slot as the present states do */
+static int slot_touches(const jo_model *m, const jo_data *d, const jo_force *f, const jo_real *x, jo_touch *y, jo_real *sums)
+{
+    const jo_force *contact = jo_bound_force(d, f);
+    const int count = contact ? jo_force_contact.yielding->touches(m, d, contact, x + JO_SLOT_STATES, y, sums) : 0;
+    int shapes[2];
+    jo_slot_shapes(d, f, shapes);
+    for (int i = 0; i < count; i++) {
+        for (int j = 0; j < 2; j++) y[i].shapes[j] = shapes[j];
+        y[i].pressure = jo_slot_pressure(d, f, y[i].N);
+    }
+    return count;
+}
+
+static const jo_yielding yielding = {update_slot, slot_margin, slot_jumps, longest_step_of_slot, ease_slot, slot_approach, slot_strikes, slot_touches};
 const jo_force_kind jo_force_contact_slot = {apply, stored_in_slot, tangent, free_slot, slot_nominals, &yielding};

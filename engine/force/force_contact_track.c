@@ -237,5 +237,18 @@ static int jumps(const jo_force *f, const jo_real *before, const jo_real *after)
     return jo_contact_phase(before) != jo_contact_phase(after);
 }
 
-static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, 0};
+static int touches(const jo_model *m, const jo_data *d, const jo_force *f, const jo_real *state, jo_touch *t, jo_real *sums)
+{
+    rider y;
+    jo_real A[9], origin[3];
+    if (!present(m, d, f, state, &y)) return 0;
+    for (int i = 0; i < 3; i++) {
+        origin[i] = d->marker[f->b].r[i] + y.at.lever.v[i];
+        for (int k = 0; k < 3; k++) A[3 * i + k] = y.at.axis[k].v[i];
+    }
+    jo_contact_touch(A, origin, jo_contact_law_of(f), state, &y.point, t, sums);
+    return 1;
+}
+
+static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, 0, touches};
 const jo_force_kind jo_force_contact_track = {apply, stored, tangent, start, nominals, &yielding};

@@ -53,6 +53,26 @@ jo_real jo_stored(const jo_model *m, const jo_data *d)
     return U;
 }
 
+/* points of a force at which it touches, with the states x; 0 after its release */
+int jo_touches_of(const jo_model *m, const jo_data *d, int force, const jo_real *x, jo_touch *y, jo_real *sums)
+{
+    const jo_force *f = &m->force[force];
+    const jo_yielding *kind = table[f->type]->yielding;
+    return kind && kind->touches && !jo_released(d, f->release) ? kind->touches(m, d, f, x, y, sums) : 0;
+}
+
+/* of these, the energy of contacts */
+jo_real jo_stored_in_contacts(const jo_model *m, const jo_data *d)
+{
+    jo_real U = {0.0};
+    for (int k = 0; k < m->nyielding; k++) {
+        const jo_force *f = &m->force[jo_yielding_force(d, k)];
+        const jo_force_kind *kind = table[f->type];
+        if (kind->yielding->touches && kind->stored && !jo_released(d, f->release)) U += kind->stored(d, f);
+    }
+    return U;
+}
+
 int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nforce; i++) {

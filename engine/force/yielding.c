@@ -27,8 +27,6 @@ jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k)
     return jo_released(d, f->release) ? jo_same(1.0) : jo_yielding_of(f)->margin(m, d, f);
 }
 
-int jo_yielding_force(const jo_data *d, int k) { return d->forces.yielding[k]; }
-
 int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, jo_approach *y)
 {
     const jo_force *f = &m->force[d->forces.yielding[k]];
@@ -68,16 +66,21 @@ static jo_real update_of(const jo_model *m, const jo_data *d, const jo_force *f,
     return jo_released(d, f->release) ? jo_same(0.0) : jo_yielding_of(f)->update(m, d, f, x);
 }
 
-/* The states of the end of a step, and its dissipated energy. */
-int jo_accept_yielding(const jo_model *m, jo_data *d)
+/* The states of the end of a step, and its dissipated energy; for that of contacts see contact_record.c. */
+int jo_accept_yielding(const jo_model *m, jo_data *d, int records)
 {
     jo_real x[JO_MAX_YIELDING_STATES];
     int jumped = 0;
     for (int k = 0; k < m->nyielding; k++) {
         const jo_force *f = &m->force[d->forces.yielding[k]];
         const jo_yielding *kind = jo_yielding_of(f);
-        d->work.damping += update_of(m, d, f, x);
-        jumped |= kind->jumps && kind->jumps(f, jo_states(m, d) + f->state, x);
+        const int recorded = records && kind->touches;
+        if (recorded) jo_record_step(m, d, k);
+        const jo_real lost = update_of(m, d, f, x);
+        const int jumps = kind->jumps && kind->jumps(f, jo_states(m, d) + f->state, x);
+        if (recorded) jo_record_change(m, d, k, x, jumps);
+        if (!kind->touches) d->work.damping += lost;
+        jumped |= jumps;
         for (int i = 0; i < f->states; i++) jo_states(m, d)[f->state + i] = x[i];
     }
     return jumped;
@@ -90,15 +93,31 @@ void jo_yield(const jo_model *m, jo_data *d)
     double none = 0.0;
     int overlap;
     if (jo_yielding_ready(m, d) == JO_OK && jo_find_contacts(m, d, &none, &overlap) == JO_OK)   /* needs no accelerations */
-        jo_accept_yielding(m, d);
+        jo_accept_yielding(m, d, 0);
     jo_state_changed(d);
 }
 
 jo_real jo_yielding_loss(const jo_model *m, const jo_data *d)
 {
     jo_real sum = {0.0}, x[JO_MAX_YIELDING_STATES];
-    for (int k = 0; k < m->nyielding; k++) sum += update_of(m, d, &m->force[d->forces.yielding[k]], x);
+    for (int k = 0; k < m->nyielding; k++) {
+        const jo_force *f = &m->force[d->forces.yielding[k]];
+        if (!jo_yielding_of(f)->touches) sum += update_of(m, d, f, x);
+    }
     return sum;
+}
+
+jo_real jo_bristles_at_end(const jo_model *m, const jo_data *d)
+{
+    jo_real sums[JO_TOUCH_SUMS] = {0.0}, x[JO_MAX_YIELDING_STATES];
+    jo_touch unused[JO_MAX_TOUCHES];
+    for (int k = 0; k < m->nyielding; k++) {
+        const int force = d->forces.yielding[k];
+        if (!jo_yielding_of(&m->force[force])->touches) continue;
+        update_of(m, d, &m->force[force], x);
+        jo_touches_of(m, d, force, x, unused, sums);
+    }
+    return sums[1];
 }
 
 void jo_force_state(const jo_model *m, const jo_data *d, int force, int state, jo_real *y)

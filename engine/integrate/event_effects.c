@@ -46,6 +46,7 @@ static void apply_event(const jo_model *m, jo_data *d, int i)
     if (!loses) return;
     jo_energy(m, d, &after);
     d->work.damping += before.springs - after.springs;
+    jo_record_release(m, d);
 }
 
 /* handle the events at the present state and, repeatedly, the events that they cause, at most `rounds` times; *stop: first event that ends

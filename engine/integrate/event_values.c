@@ -84,7 +84,7 @@ int jo_accept_yielding_states(const jo_model *m, jo_data *d, double *g)
     int status = jo_yielding_ready(m, d);
     if (status != JO_OK) return status;
     jo_brief_step(d, 0.0, 1);
-    const int jumped = jo_accept_yielding(m, d);
+    const int jumped = jo_accept_yielding(m, d, 1);
     jo_brief_step(d, 0.0, 0);
     if (jumped) {
         jo_state_changed(d);
@@ -108,6 +108,7 @@ void jo_accept_values(const jo_model *m, jo_data *d, const double *g)
 int jo_events_start(const jo_model *m, jo_data *d)
 {
     const int status = jo_watched_values(m, d, d->events.level);
+    if (status == JO_OK) jo_record_start(m, d);
     for (int i = 0; i < jo_watched(m); i++) d->events.side[i] = jo_is_event(m, i) ? jo_sign(d->events.level[i]) : 1;
     jo_levels_measured(d);
     return status;

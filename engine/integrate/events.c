@@ -238,6 +238,7 @@ int jo_event_keep(const jo_model *m, jo_data *d)
 {
     int status = jo_levels_valid(d) ? JO_OK : jo_events_start(m, d);
     save_state(d);
+    jo_keep_contact_losses(m, d);
     if (status == JO_OK && m->nyielding) status = jo_yielding_ready(m, d);
     if (status == JO_OK && m->nyielding) jo_measure_gaps(m, d, 0);
     return status;

@@ -2,6 +2,8 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "friction/friction.h"
+#include "force/force.h"
+#include "contact/contact.h"
 #include "tree/tree.h"
 #include "integrate/integrate.h"
 #include "fatigue/fatigue.h"
@@ -12,7 +14,7 @@ enum { JO_DIAGNOSTICS = sizeof(jo_diagnostics) / sizeof(jo_real) };
 int jo_row_size(const jo_model *m)
 {
     return 1 + m->nq + m->nv + m->nrow + JO_DIAGNOSTICS + m->nout + m->nstate + m->nturn + 3 * m->nlock + 3 * m->nfriction
-           + m->nevent + m->ninput + m->nmemory + m->nx + m->nu;
+           + m->nevent + m->ninput + m->nmemory + m->nx + m->nu + jo_contact_energy_size(m);
 }
 
 /* energies, work, residuals and counts */
@@ -38,7 +40,7 @@ static void diagnose(const jo_model *m, jo_data *d, jo_diagnostics *y)
     y->step = jo_same(d->control.length);
 }
 
-/* row [time q v lam diagnostics sensors states turn locked slip held direction happened input memory joint] */
+/* row [time q v lam diagnostics sensors states turn locked slip held direction happened input memory joint contacts] */
 int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     int status = jo_accelerations_valid(d) ? JO_OK : jo_accelerations(m, d);
@@ -63,6 +65,9 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
     for (int i = 0; i < m->ninput; i++) *row++ = d->input[i];
     for (int i = 0; i < m->nmemory; i++) *row++ = jo_same(d->memory[i]);
     for (int i = 0; i < m->nx + m->nu; i++) *row++ = d->x[i];
+    const int energies = jo_contact_energy_size(m);
+    if (energies) d->contact_energy[0] = jo_stored_in_contacts(m, d);
+    for (int i = 0; i < energies; i++) *row++ = d->contact_energy[i];
     return JO_OK;
 }
 

@@ -2,6 +2,7 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "tree/tree.h"
+#include "contact/contact.h"
 #include "integrate/integrate.h"
 #include "fatigue/fatigue.h"
 
@@ -15,6 +16,7 @@ static void invalidate(jo_data *d)
 {
     jo_call_begins(d);
     d->events.logged = 0;
+    jo_contact_list_begins(d);
     if (JO_COMMON(d->time[0]) != d->run.left) jo_restart(d);
 }
 
@@ -49,7 +51,7 @@ static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nste
     const size_t size = (size_t)jo_row_size(m);
     if (!jo_grid_valid(d) || d->run.count != *count || d->run.step != s->step)
         d->run.start = d->time[0] - instant(*count, s->step);
-    for (long long i = 0; i < nsteps && (!jo_watched(m) || jo_log_has_room(m, d)); i++) {
+    for (long long i = 0; i < nsteps && (!jo_watched(m) || (jo_log_has_room(m, d) && jo_contact_list_has_room(m, d))); i++) {
         int status = step(m, d, s);
         if (status == JO_EVENT) {
             const int event = d->error_index;

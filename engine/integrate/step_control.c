@@ -62,8 +62,11 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
         if (status == JO_OK) close_joints(m, d);
     }
     if (status == JO_OK && m->nyielding) status = jo_yielding_ready(m, d);
-    if (status == JO_OK) jo_accept_yielding(m, d);
+    if (status == JO_OK) jo_accept_yielding(m, d, 0);
+    double losses[2] = {0.0, 0.0};
+    jo_place_contact_losses(d, (t - d->control.from) / d->control.length, jo_bristles_at_end(m, d), losses);
     if (status == JO_OK) status = jo_write_row(m, d, row);
+    jo_place_contact_losses(d, 1.0, jo_same(0.0), losses);
     for (int i = 0; i < d->ny; i++) d->y[i] = d->adaptive.q1[i];
     for (int i = 0; i < d->nw; i++) d->w[i] = d->adaptive.v1[i];
     jo_positions_moved(d);
@@ -386,7 +389,7 @@ static int follow_rows(const jo_model *m, jo_data *d, const jo_solver *s, long l
     jo_control *c = &d->control;
     const size_t size = (size_t)jo_row_size(m);
     const double end = c->start + (double)last * s->step;
-    while (*written < room && (!jo_watched(m) || jo_log_has_room(m, d))) {
+    while (*written < room && (!jo_watched(m) || (jo_log_has_room(m, d) && jo_contact_list_has_room(m, d)))) {
         const double now = JO_RE(d->time[0]), t = c->start + (double)*count * s->step;
         jo_real *row = rows + (size_t)*written * size;
         int status = t < now ? write_between(m, d, s, t, row) : process_arrival(m, d);
@@ -413,6 +416,7 @@ int jo_follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last,
 {
     *written = 0;
     d->events.logged = 0;
+    jo_contact_list_begins(d);
     int status = m->nlink && !jo_mixed(m) ? jo_tree_from_maximal(m, d) : JO_OK;
     if (status == JO_OK && *count == 0) status = begin(m, d, s, last);
     if (status == JO_OK) status = follow_rows(m, d, s, last, tries, room, count, written, rows);

@@ -296,7 +296,8 @@ static int forces_read(const jo_model *m)
 {
     for (int i = 0; i < m->nsensor; i++)
         switch (m->sensor[i].type) {
-        case JO_SENSOR_ELEMENT: case JO_SENSOR_FRICTION: case JO_SENSOR_SECTION: case JO_SENSOR_BODY_LOAD: case JO_SENSOR_MODAL_LOAD: return 1;
+        case JO_SENSOR_ELEMENT: case JO_SENSOR_FRICTION: case JO_SENSOR_SECTION: case JO_SENSOR_BODY_LOAD: case JO_SENSOR_MODAL_LOAD:
+        case JO_SENSOR_CONTACT: return 1;
         default: break;
         }
     return 0;

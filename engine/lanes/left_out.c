@@ -336,6 +336,43 @@ void jo_networks_state_rates(const jo_model *m, jo_data *d, const jo_stage *stag
     (void)m; (void)d; (void)stage;
 }
 
+/* records of contacts */
+int jo_contact_energy_size(const jo_model *m)
+{
+    (void)m;
+    return 0;
+}
+void jo_contact_record_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    (void)m; (void)d; (void)a;
+}
+void jo_contact_sensor(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
+{
+    (void)m; (void)d; (void)s; (void)y;
+}
+void jo_record_step(const jo_model *m, jo_data *d, int k)
+{
+    (void)m; (void)d; (void)k;
+}
+void jo_record_change(const jo_model *m, jo_data *d, int k, const jo_real *x, int jumped)
+{
+    (void)m; (void)d; (void)k; (void)x; (void)jumped;
+}
+jo_real jo_bristles(const jo_model *m, const jo_data *d)
+{
+    (void)m; (void)d;
+    return jo_same(0.0);
+}
+void jo_contact_list_begins(jo_data *d)
+{
+    (void)d;
+}
+int jo_contact_list_has_room(const jo_model *m, const jo_data *d)
+{
+    (void)m; (void)d;
+    return 1;
+}
+
 /* kinds of force that no file of this build defines */
 #define LEFT_OUT(name, ...) const jo_force_kind jo_force_##name __attribute__((weak)) = {0, 0, 0, 0, 0, 0};
 JO_FORCES(LEFT_OUT)

@@ -1,6 +1,7 @@
 /* sensors.c - sensor values at the present state. */
 #include "maximal/maximal.h"
 #include "force/force.h"
+#include "contact/contact.h"
 #include "beam/beam.h"
 #include "fatigue/fatigue.h"
 #include "network/network.h"
@@ -33,6 +34,12 @@ static void observe(jo_motion *y, const jo_motion *o)
 static void resolve(const jo_data *d, int frame, jo_real *y)
 {
     if (frame >= 0) jo_mul3t(y, d->marker[frame].A, y);
+}
+
+/* all vectors of a sensor in its axes */
+static void resolve_all(const jo_data *d, const jo_sensor *s, jo_real *y)
+{
+    for (int j = 0; j + 3 <= s->count; j += 3) resolve(d, s->frame, y + j);
 }
 
 /* C = A^T B */
@@ -212,7 +219,7 @@ static jo_real energy(const jo_model *m, jo_data *d, int kind)
     jo_energies now;
     switch (kind) {
     case JO_ENERGY_DISSIPATED: return d->work.damping + jo_yielding_loss(m, d);
-    case JO_ENERGY_FRICTION: return d->work.friction;
+    case JO_ENERGY_FRICTION: return d->work.friction + jo_bristles(m, d) - jo_bristles_at_end(m, d);
     case JO_ENERGY_WORK: return d->work.forces;
     default: break;
     }
@@ -272,6 +279,12 @@ static jo_real signal_value(const jo_model *m, const jo_data *d, int signal)
     return x->type == JO_SIGNAL_NETWORK ? jo_network_value(m, d, x->count, x->child[0]) : jo_signal_at(m, d, signal, d->time[0]).value;
 }
 
+static void contact(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
+{
+    jo_contact_sensor(m, d, s, y);
+    resolve_all(d, s, y);
+}
+
 /* whether a sensor needs accelerations or multipliers */
 int jo_needs_accelerations(const jo_sensor *s)
 {
@@ -321,15 +334,14 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_SENSOR_SIGNAL: y[0] = signal_value(m, d, s->object); break;
         case JO_SENSOR_ELEMENT:   /* `other` is the index of the first component */
             for (int j = 0; j < s->count; j++) y[j] = d->force[s->object].y[s->other + j];
-            for (int j = 0; j + 3 <= s->count; j += 3) resolve(d, s->frame, y + j);
+            resolve_all(d, s, y);
             break;
         case JO_SENSOR_FRICTION:   /* force along each coordinate */
             for (int j = 0; j < s->count; j++) y[j] = d->rub[2 * s->object + j];
             break;
         case JO_SENSOR_REACTION:
             jo_reaction(m, d, s->object, y);
-            resolve(d, s->frame, y);
-            resolve(d, s->frame, y + 3);
+            resolve_all(d, s, y);
             break;
         case JO_SENSOR_STRESS:
         case JO_SENSOR_VON_MISES:
@@ -341,6 +353,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_SENSOR_SECTION: section(d, s, y); break;
         case JO_SENSOR_BODY_LOAD:
         case JO_SENSOR_MODAL_LOAD: jo_load_sensor(m, d, s, y); break;
+        case JO_SENSOR_CONTACT: contact(m, d, s, y); break;
         case JO_SENSOR_FORCE_STATE: jo_force_state(m, d, s->object, s->other, y); break;
         default: break;
         }

@@ -44,7 +44,8 @@ export interface Rings extends Sections {
 
 export interface Body {
   name: string;
-  kind: "solid" | "frame" | "beam" | "rigid" | "ground" | "mesh";
+  /** "contact": shapes that touch. */
+  kind: "solid" | "frame" | "beam" | "rigid" | "ground" | "mesh" | "contact";
   place: number;
   modes: number;
   positions: Block<Float32Array>;

@@ -24,6 +24,7 @@ RUN = {
     "schema": ("schema",),
     "stress": ("stress", "swing.h5", "arm", "--criterion", "s11"),
     "forces": ("forces", "cable.h5"),
+    "contacts": ("contacts", "swing.h5"),
     "friction": ("friction", "swing.h5", "swing.h5"),
     "monitor": ("monitor", ROOT / "examples/monitor.yaml", "--gauges", "data.csv", "-o", "b.h5"),
     "multiaxial": ("multiaxial", "swing.h5", "arm", "--sn", "fat71", "--residue", "half"),

@@ -35,6 +35,7 @@ def test_no_machine_is_missing() -> None:
     twins = {
         "ball_on_beam",
         "quadruped",
+        "railway_wheel",
         "crane_twin",
         "flexible_pendulum",
         "link_arm",

@@ -11,6 +11,7 @@ import pytest
 
 import jousto as jo
 from jousto.mechanism import Contacts
+from jousto.model.native.header import named
 from jousto.robots import mechanism, read_mjcf, read_urdf
 
 DATA = Path(__file__).parents[2] / "examples" / "data"
@@ -33,9 +34,9 @@ def pairs_of(machine: jo.Mechanism) -> set[frozenset[str]]:
     """Pairs of shapes that may touch, from the tables of the engine for bodies close together."""
     contacts = contacts_in(machine)
     model = jo.compile(machine)
-    found = jo.model.Engine(model).contacts()
+    found = named("jo_touch", jo.model.Engine(model).contacts()).shapes.astype(int)
     names = [one.name for one in contacts.shapes]
-    return {frozenset((names[int(row[1])], names[int(row[2])])) for row in found}
+    return {frozenset((names[a], names[b])) for a, b in found}
 
 
 @pytest.mark.filterwarnings("ignore:.*pass through each other")

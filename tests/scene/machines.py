@@ -105,7 +105,7 @@ def everything() -> jo.Mechanism:
         jo.mechanism.Stop("limit", slide.displacement, upper=0.4, stiffness=1e4),
         yields,
         jo.mechanism.GearSpring("shaft", slide.displacement, motor.angle, 30.0, 50.0, damping=1.0),
-        jo.mechanism.Contacts(
+        meet := jo.mechanism.Contacts(
             "meet",
             [
                 jo.mechanism.CollisionShape("floor", jo.ground["origin"], jo.mechanism.HalfSpace()),
@@ -114,7 +114,7 @@ def everything() -> jo.Mechanism:
             law=jo.mechanism.PowerLaw(1e6),
             overlap="start",
         ),
-        jo.mechanism.Contact(
+        touch := jo.mechanism.Contact(
             *("touch", jo.ground["origin"], jo.mechanism.HalfSpace()),
             *(slider["tip"], jo.mechanism.Sphere(0.05), jo.mechanism.PowerLaw(1e6)),
             mu_kinetic=0.3,
@@ -140,6 +140,8 @@ def everything() -> jo.Mechanism:
         jo.mechanism.MovingLoad("walker", arm, ("start", "end"), (0, 0, -1.0), jo.Constant(0.3)),
         jo.Friction("rub", axle, 0.1, radius=0.02),
         jo.PositionSensor("position", end),
+        jo.mechanism.ContactForceSensor("landing", meet, "floor", "tip"),
+        jo.mechanism.ContactPressureSensor("pressure", touch, modulus=1e11),
         jo.VelocitySensor("velocity", end),
         jo.AccelerationSensor("acceleration", end),
         jo.mechanism.AccelerationPartsSensor("parts", end, relative_to=slider["tip"]),

@@ -32,6 +32,7 @@ export function mountDisplay(kit: Kit): void {
     store.watch(["symbols"], ({ symbols }) => made.set(symbols[group]));
     parts.push(made.element);
   }
+  if (scene.bodies.some(({ kind }) => kind === "contact")) parts.push(flag("Contact shapes", "contacts"));
   if (scene.markers.length) parts.push(flag("Markers", "markers"));
   if (scene.sensors.some((sensor) => sensor.arrow) || scene.symbols.some(({ group }) => group === "force")) {
     parts.push(flag("Force and velocity arrows", "arrows"));

@@ -18,6 +18,7 @@ const KINDS: Record<string, string> = {
   rigid: "rigid",
   ground: "ground",
   mesh: "rigid",
+  contact: "contact",
 };
 
 export function mountTree(kit: Kit): void {

@@ -56,9 +56,13 @@ export function appearance(state: Readonly<State>, paint: Paint, run: number, in
   const over = several && run !== state.runs.indexOf(true) && !state.offset.some((x) => x !== 0);
   const selected = state.selection?.run === run && state.selection.body === index;
   return {
-    visible: state.runs[run] !== false && !look.hidden && (state.isolated === null || state.isolated === name),
+    visible:
+      state.runs[run] !== false &&
+      (body.kind !== "contact" || state.contacts) &&
+      !look.hidden &&
+      (state.isolated === null || state.isolated === name),
     colour: raw(bodyColour(state, run, index, body)),
-    opacity: look.transparent ? 0.22 : over ? 0.45 : 1,
+    opacity: look.transparent || body.kind === "contact" ? 0.22 : over ? 0.45 : 1,
     glow: selected && state.measure === null ? paint.accent : null,
     edges: state.edges,
     mesh: state.mesh,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.certificate.load_warnings import unheld_loads
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.compile import compile
+from jousto.model.contact_points import points_of
 from jousto.model.gear_springs import explicit_step
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
@@ -32,7 +33,21 @@ from jousto.model.rank.redundancy import (
 )
 from jousto.model.tree import BODIES, core_of
 
+TOUCHING = 1e-9  # depth over the size of the mechanism up to which shapes only touch
+SHOWN = 5  # largest number of overlaps that are listed
 LARGE = 2000  # number of velocities above which the mobility with rigid bodies is not computed
+
+
+class Run(Protocol):
+    """Interface of the results of a run."""
+
+    @property
+    def name(self) -> str:
+        """Name of the mechanism."""
+
+    @property
+    def contacts(self) -> Any:
+        """Contacts of the run, with `findings`."""
 
 
 @described
@@ -67,6 +82,8 @@ class Diagnosis:
     explicit_step : float or None
         Step, s, below which RK4 is stable with the gear springs (`ElasticJoint`) and the springs,
         dampers and servos along their shafts; None without any.
+    overlaps : tuple of str
+        Pairs of shapes that overlap at the start, with their depth.
     """
 
     name: str
@@ -82,6 +99,7 @@ class Diagnosis:
     warnings: tuple[str, ...] = ()
     core: str = ""
     explicit_step: float | None = None
+    overlaps: tuple[str, ...] = ()
 
     def _facts(self) -> str:
         if self.problems:
@@ -128,6 +146,10 @@ class Diagnosis:
         if self.explicit_step is not None:
             text = f"RK4 needs a step below {1e3 * self.explicit_step:.3g} ms for the gear springs"
             out.append(("explicit", text))
+        if self.overlaps:
+            shown = ", ".join(self.overlaps[:SHOWN]) + (", ..." if self.overlaps[SHOWN:] else "")
+            text = f"{shown}; move the bodies apart, or start from jo.equilibrium"
+            out.append(("overlap at the start", text))
         out += [("problem", str(problem)) for problem in self.problems]
         out += [("warning", text) for text in self.warnings]
         return out
@@ -139,16 +161,19 @@ class Diagnosis:
 
 @uncollected()
 @explained
-def doctor(mechanism: Mechanism | Model) -> Diagnosis:
+def doctor(mechanism: Mechanism | Model | Run) -> Diagnosis:
     """Return the mobility of a mechanism, and its redundant and contradictory joints.
 
     For a mechanism that cannot be assembled no error is raised: the result contains the reasons.
+    Of contacts, shapes that overlap at the start are found. For a run, the warnings are about its
+    contacts: fewer than 10 steps, too deep for the size of the shapes, another restitution than
+    asked for, steps in which a contact may have been missed; each with its remedy.
 
     Parameters
     ----------
-    mechanism : Mechanism or Model
-        Mechanism at its initial pose. Loads that the modes represent badly are found with the full
-        models of the parts.
+    mechanism : Mechanism, Model or Solution
+        Mechanism at its initial pose, or a run of it. Loads that the modes represent badly are
+        found with the full models of the parts.
 
     Returns
     -------
@@ -164,6 +189,8 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
     mobility: 5 constraint rows leave 1 free motion
     runs in: joint coordinates (1 of a tree)
     """
+    if not isinstance(mechanism, Mechanism | Model):
+        return Diagnosis(mechanism.name, warnings=mechanism.contacts.findings)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", JoustoWarning)
         try:
@@ -190,8 +217,25 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
         warnings=messages,
         core=core_of(model),
         explicit_step=explicit_step(model),
+        overlaps=_overlaps(model),
     )
     return _with_motions(diagnosis, model)
+
+
+def _overlaps(model: Model) -> tuple[str, ...]:
+    """Return the pairs of shapes that overlap at the start, the deepest first."""
+    if not model.touches:
+        return ()
+    points = points_of(Engine(model, implicit=False))
+    deepest: dict[tuple[str, str, str], float] = {}
+    for one in points:
+        pair = one.contact, one.a, one.b
+        deepest[pair] = max(deepest.get(pair, 0.0), -one.gap)
+    found = sorted(deepest.items(), key=lambda item: -item[1])
+    least = TOUCHING * model.size
+    return tuple(
+        f"'{name}' ({a} - {b}) by {depth:.3g} m" for (name, a, b), depth in found if depth > least
+    )
 
 
 def _with_motions(diagnosis: Diagnosis, model: Model) -> Diagnosis:

@@ -30,6 +30,7 @@ OFFERS = {
     "fatigue": "fatigue",
     "stress": "stress",
     "forces": "forces",
+    "contacts": "contacts",
     "friction": "friction",
     "gauges": "gauges",
     "meshes": "mesh",

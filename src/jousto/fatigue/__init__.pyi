@@ -33,7 +33,11 @@ from .contact.contact import (
     rolling_contact as rolling_contact,
     shakedown_limit as shakedown_limit,
 )
-from .contact.rolling import RollingLife as RollingLife, rolling_life as rolling_life
+from .contact.rolling import (
+    RollingLife as RollingLife,
+    rolling_life as rolling_life,
+    rolling_passes as rolling_passes,
+)
 from .cycles.duty import DutyCycle as DutyCycle, DutyEvent as DutyEvent
 from .cycles.rainflow import (
     Cycles as Cycles,

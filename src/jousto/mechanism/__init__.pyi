@@ -61,6 +61,10 @@ from .sensors.body_load import (
     BodyLoadSensor as BodyLoadSensor,
     ModalLoadSensor as ModalLoadSensor,
 )
+from .sensors.contact_force import (
+    ContactForceSensor as ContactForceSensor,
+    ContactPressureSensor as ContactPressureSensor,
+)
 from .sensors.damage import DamageSensor as DamageSensor
 from .sensors.force_state import ForceStateSensor as ForceStateSensor
 from .sensors.motion import (

@@ -268,7 +268,8 @@ class ForceModel:
     `other` is a second coordinate along which it acts, -1 for none; `release` is the event that
     removes it, -1 for none; `state` is the first of its first-order
     states; `element` is the kind of the declared force, such as "servo". `touches`, `coupled`,
-    `dense` and `slots` of a set of contacts are as in `Packed`.
+    `dense`, `slots`, `shapes`, `sizes`, `surfaces` and `restitutions` of a set of contacts are as
+    in `Packed`; `pressure`, `thickness` and `restitution` are as in `Push`.
     """
 
     name: str
@@ -294,6 +295,20 @@ class ForceModel:
     coupled: tuple[tuple[int, ...], ...] = ()
     dense: int = 0
     slots: int = 0
+    shapes: tuple[str, ...] = ()
+    pressure: float = 0.0
+    thickness: float = 0.0
+    restitution: float = 0.0
+    sizes: tuple[float, ...] = ()
+    surfaces: tuple[int, ...] = ()
+    restitutions: tuple[tuple[float, ...], ...] = ()
+
+    @property
+    def points(self) -> int:
+        """Largest number of points at which it lets bodies touch."""
+        if not self.law.yields:
+            return 0
+        return sum(name.startswith("approach") for name in self.state_names)
 
     @property
     def law(self) -> EngineLaw:
@@ -550,6 +565,11 @@ class Model:
     def nu(self) -> int:
         """Number of joint velocities of a tree."""
         return sum(link.rates for link in self.links)
+
+    @cached_property
+    def touches(self) -> bool:
+        """Whether any of its forces are contacts."""
+        return any(force.points for force in self.forces)
 
     @cached_property
     def nstate(self) -> int:

@@ -8,6 +8,7 @@ from jousto.base.errors import Problems, count
 from jousto.mechanism.forces.contact_set import Contacts
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.model import Model
+from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 
 TOUCHING = 1e-6
@@ -35,7 +36,10 @@ def overlaps(mechanism: Mechanism, model: Model) -> list[Overlap]:
     if not sets:
         return []
     found = []
-    for place, on, of, _, gap, *_ in Engine(model, implicit=False).contacts().tolist():
+    rows = named("jo_touch", Engine(model, implicit=False).contacts())
+    for place, (on, of), gap in zip(rows.force, rows.shapes, rows.gap, strict=True):
+        if on < 0:
+            continue
         contacts = sets[model.forces[int(place)].name]
         pair = contacts.shapes[int(on)], contacts.shapes[int(of)]
         size = min(one.size for one in pair)

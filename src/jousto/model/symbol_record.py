@@ -13,7 +13,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import count
 from jousto.base.object_repr import described
 
-GROUPS = ("joint", "force", "sensor", "marker")
+GROUPS = ("joint", "force", "sensor", "marker", "shape")
 
 
 @described
@@ -64,6 +64,8 @@ class SymbolShape:
         Description in one line.
     sensor : str
         Name of the sensor; empty for other symbols.
+    triangles : (nt, 3, 3) array or None
+        Surface of a shape that touches, in the frame of its point, m.
     """
 
     name: str
@@ -74,6 +76,7 @@ class SymbolShape:
     fixed: bool = False
     text: str = ""
     sensor: str = ""
+    triangles: Array | None = None
 
 
 NO_TURN = np.eye(3)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,7 @@ def symbols(mechanism: Mechanism, index: Mapping[int, int]) -> tuple[SymbolShape
         *map(make.friction, mechanism.frictions),
         *(symbol for sensor in mechanism.sensors for symbol in make.sensor(sensor)),
         *(symbol for body in mechanism.bodies for symbol in make.named(body)),
+        *make.shapes(mechanism.forces),
     )
 
 
@@ -104,6 +105,23 @@ class SymbolMaker:
         for name in names:
             label = f"{body.name}.{name}"
             yield SymbolShape(label, "marker", "marker", (self.point(body[name]),), text=label)
+
+    def shapes(self, forces: Iterable[ForceElement]) -> Iterator[SymbolShape]:
+        """Return the shapes that touch, each place of a shape once."""
+        seen: set[Any] = set()
+        for force in forces:
+            for marker, shape in force.touching_shapes:
+                place = marker.position_local.tobytes(), marker.axes.tobytes(), marker.site
+                key = (id(marker.body), *place, repr(shape), shape.triangles.tobytes())
+                if key in seen:
+                    continue
+                seen.add(key)
+                text = f"{shape.tag} of {force.tag} '{force.name}' on {marker.label}"
+                name = f"{marker.label} {shape.tag}"
+                point = (self.point(marker),)
+                yield SymbolShape(
+                    name, shape.tag, "shape", point, text=text, triangles=shape.triangles
+                )
 
     # -- where they are ---------------------------------------------------------------------
 

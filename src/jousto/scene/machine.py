@@ -19,7 +19,12 @@ from jousto.scene.bounding_box import bounding_box, size_of
 from jousto.scene.frames import frame_body
 from jousto.scene.motion import Rows, run_motion
 from jousto.scene.scene import MEASURES, Body, Happened, Scene, Sensor, Side, Symbol
-from jousto.scene.symbols import attached_points, drawn_symbols, ground_symbols
+from jousto.scene.symbols import (
+    attached_points,
+    contact_bodies,
+    drawn_symbols,
+    ground_symbols,
+)
 from jousto.simulation.results.dataframes import component_units
 from jousto.simulation.results.memory import MemoryRecords
 from jousto.simulation.results.records import BodyShape
@@ -110,7 +115,7 @@ def _machine(run: Solution, firsts: Sequence[int], rows: Array) -> Scene:
         name=run.name,
         title=run.name,
         still=rows[0],
-        bodies=bodies,
+        bodies=(*bodies, *contact_bodies(run.symbols, shapes)),
         box=bounding_box(bodies, symbols, rows),
         symbols=symbols,
         markers=marks,

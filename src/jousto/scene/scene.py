@@ -91,7 +91,7 @@ class Body:
     ----------
     name : str
     kind : str
-        "solid", "frame", "beam", "rigid", "ground" or "mesh".
+        "solid", "frame", "beam", "rigid", "ground", "mesh", or "contact" for shapes that touch.
     place : int
         Column of ``[R e p]`` in a row; -1 if the body is fixed in the world.
     modes : int

@@ -9,8 +9,11 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.rotations import euler_parameters
 from jousto.model.symbol_record import SymbolPoint, SymbolShape
-from jousto.scene.scene import Mark, Side, Symbol
+from jousto.scene.scene import Body, Mark, Side, Symbol
 from jousto.simulation.results.records import BodyShape
+
+LISTED = 8
+"""Largest number of shapes that are listed for a body."""
 
 
 def drawn_symbols(
@@ -20,6 +23,8 @@ def drawn_symbols(
     symbols: list[Symbol] = []
     marks: list[Mark] = []
     for one in found:
+        if one.group == "shape":
+            continue
         sides = tuple(side_of(point, bodies) for point in one.points)
         if one.group == "marker":
             marks.append(Mark(one.name, sides[0]))
@@ -76,3 +81,37 @@ def attached_points(symbols: Sequence[Symbol]) -> dict[int, Array]:
                 if side.place >= 0:
                     found.setdefault(side.place, []).append(side.u)
     return {place: np.array(points) for place, points in found.items()}
+
+
+def contact_bodies(found: Sequence[SymbolShape], bodies: Sequence[BodyShape]) -> tuple[Body, ...]:
+    """Return the shapes that touch, as one surface for each body that has some."""
+    of_body: dict[int, list[SymbolShape]] = {}
+    for one in found:
+        if one.group == "shape" and one.triangles is not None and len(one.triangles):
+            of_body.setdefault(one.points[0].body, []).append(one)
+    return tuple(_surface(place, some, bodies) for place, some in sorted(of_body.items()))
+
+
+def _surface(place: int, some: Sequence[SymbolShape], bodies: Sequence[BodyShape]) -> Body:
+    """Return the shapes of a body as a scene body; they move with the points of their markers."""
+    owner = None if place < 0 else bodies[place]
+    vertices, moves = [], []
+    for one in some:
+        assert one.triangles is not None
+        side = side_of(one.points[0], bodies)
+        corners = one.triangles.reshape(-1, 3) @ np.asarray(one.points[0].axes).T + side.u
+        vertices.append(corners)
+        phi = np.zeros((3, side.n)) if side.phi is None else side.phi
+        moves.append(np.repeat(phi.T[:, None, :], len(corners), axis=1))
+    positions = np.concatenate(vertices)
+    n = 0 if owner is None else owner.n
+    return Body(
+        name=f"contact shapes of {'the ground' if owner is None else owner.name}",
+        kind="contact",
+        place=-1 if owner is None else owner.q_offset,
+        modes=n,
+        positions=positions,
+        triangles=np.arange(len(positions)).reshape(-1, 3),
+        shapes=np.concatenate(moves, axis=1) if n else None,
+        about=", ".join(one.kind for one in some[:LISTED]) + (", ..." if some[LISTED:] else ""),
+    )

@@ -48,6 +48,9 @@ class State:
     joint : array, optional
         Joint coordinates and their rates, for models in joint coordinates; with None they are
         computed from q and v.
+    contact_energy : (3,) array, optional
+        Of contacts: stored energy, energy lost so far by their normal forces (restitution) and by
+        friction, J; None is 0.
     """
 
     q: Array
@@ -65,6 +68,7 @@ class State:
     meters: Array | None = None
     joint: Array | None = None
     states: Array | None = None
+    contact_energy: Array | None = None
 
     def __repr__(self) -> str:
         return f"<State: at {self.time:g} s, {len(self.q)} positions, {len(self.v)} velocities>"
@@ -82,6 +86,10 @@ MEMORY = {
     "input": ("1", "values of the external inputs"),
     "meters": ("1", "states of the damage meters"),
     "joint": ("m, rad, 1, m/s, rad/s", "joint coordinates, then their rates"),
+    "contact_energy": (
+        "J",
+        "of contacts: stored energy, and energy lost since the start by normal forces and friction",
+    ),
 }
 
 
@@ -183,4 +191,5 @@ def memory_sizes(model: Model) -> dict[str, int]:
         "input": len(model.inputs),
         "meters": sum(meter_size(meter.rule) for meter in model.meters),
         "joint": model.nx + model.nu,
+        "contact_energy": 3 if model.touches else 0,
     }

@@ -13,6 +13,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.object_repr import described
 from jousto.materials.material import Material
+from jousto.mechanism.contacts.hertz import line_scale, point_scale
 
 SHALLOW = 0.04
 """Smallest depth for the stress of a point contact, over the short half axis."""
@@ -182,9 +183,8 @@ def hertz_line(
         )
     problems.raise_if_any()
     both = _two(material)
-    E, R = _combined(both), 1.0 / curvature
-    p0 = math.sqrt(force * E / (math.pi * length * R))
-    a = math.sqrt(4.0 * force * R / (math.pi * length * E))
+    one = line_scale(_combined(both), 1.0 / curvature, length)
+    p0, a = one.p0 * math.sqrt(force), one.a * math.sqrt(force)
     _within(p0, both)
     return HertzContact("line", force, p0, a, 0.5 * length, math.nan, both[0].nu)
 
@@ -239,43 +239,11 @@ def hertz_point(
             )
         )
     both = _two(material)
-    E = _combined(both)
-    # the long half axis is in the direction of the smaller relative curvature
-    ratio = max(A, B) / min(A, B)
-    k = _axis_ratio(ratio)  # short over long
-    K, L = _elliptic(k)
-    # Johnson 4.26: c^3 = (a b)^(3/2) = 3 F R_e / (4 E) F1^3 written out with the integrals
-    m = 1.0 - k * k
-    D = (K - L) / m if m > 1e-9 else math.pi / 4.0
-    long = (3.0 * force * D / (2.0 * math.pi * E * min(A, B))) ** (1.0 / 3.0)
-    short = k * long
-    a, b = (short, long) if A >= B else (long, short)
-    p0 = 3.0 * force / (2.0 * math.pi * a * b)
-    approach = 3.0 * force * K / (2.0 * math.pi * E * long)
+    one = point_scale(_combined(both), (0.5 / A, 0.5 / B))
+    root = force ** (1.0 / 3.0)
+    p0, a, b, approach = one.p0 * root, one.a * root, one.b * root, one.approach * root * root
     _within(p0, both)
     return HertzContact("point", force, p0, a, b, approach, both[0].nu)
-
-
-def _elliptic(k: float) -> tuple[float, float]:
-    """Return the complete elliptic integrals K and E of the modulus sqrt(1 - k^2)."""
-    from scipy.special import ellipe, ellipk
-
-    return float(ellipk(1.0 - k * k)), float(ellipe(1.0 - k * k))
-
-
-def _axis_ratio(ratio: float) -> float:
-    """Return k = short/long with ``(E/k^2 - K) / (K - E) = ratio`` (Johnson 1985, eq. 4.29)."""
-    from scipy.optimize import brentq
-
-    if ratio - 1.0 < 1e-9:
-        return 1.0
-
-    def gap(u: float) -> float:
-        k = math.exp(u)
-        K, L = _elliptic(k)
-        return math.log((L / (k * k) - K) / (K - L)) - math.log(ratio)
-
-    return math.exp(float(brentq(gap, -0.9 * math.log(ratio) - 5.0, -1e-9, xtol=1e-15, rtol=1e-14)))
 
 
 def _within(p0: float, materials: tuple[Material, Material]) -> None:

@@ -82,10 +82,11 @@ def _relative(
 @explained
 def rolling_life(
     contact: HertzContact,
-    forces: ArrayLike,
+    forces: ArrayLike | None,
     criterion: Findley | DangVan,
     sn: Any = None,
     *,
+    pressures: ArrayLike | None = None,
     counts: ArrayLike | None = None,
     friction: float = 0.0,
     depths: ArrayLike | None = None,
@@ -100,11 +101,14 @@ def rolling_life(
     ----------
     contact : HertzContact
         Contact under any force.
-    forces : (k,) array_like
-        Normal force of each pass, N, or of each class of passes with `counts`.
+    forces : (k,) array_like or None
+        Normal force of each pass, N, or of each class of passes with `counts`; None with
+        `pressures`.
     criterion : Findley or DangVan
     sn : SN, optional
         S-N curve of alternating tension, for Findley.
+    pressures : (k,) array_like, optional
+        Largest pressure of each pass, Pa, in place of its force: see `rolling_passes`.
     counts : (k,) array_like, optional
         Number of passes with each force; None is 1 each.
     friction : float
@@ -124,6 +128,15 @@ def rolling_life(
         For forces that are not positive, counts of another length, or a missing S-N curve.
     """
     problems = Problems()
+    power = 0.5 if contact.kind == "line" else 1.0 / 3.0
+    if (forces is None) == (pressures is None):
+        problems.add("rolling life", "give either forces or pressures")
+        problems.raise_if_any()
+    if pressures is not None:
+        p = problems.array("rolling life", "pressures", pressures, (None,))
+        problems.raise_if_any()
+        assert p is not None
+        forces = contact.force * (np.maximum(p, 0.0) / contact.p0) ** (1.0 / power)
     F = problems.array("rolling life", "forces", forces, (None,))
     n = None if F is None else len(F)
     c = problems.array(
@@ -150,7 +163,6 @@ def rolling_life(
     else:
         limit = criterion.b
 
-    power = 0.5 if contact.kind == "line" else 1.0 / 3.0
     scale = (F / contact.force) ** power
     grid = LINE_DEPTHS if contact.kind == "line" else POINT_DEPTHS
     z = size * scale.max() * grid if depths is None else np.atleast_1d(np.asarray(depths))
@@ -182,3 +194,51 @@ def rolling_life(
             f"the largest damage is at the smallest depth, {1e3 * life.worst:.3g} mm; {remedy}",
         )
     return life
+
+
+@explained
+def rolling_passes(angle: ArrayLike, values: ArrayLike, *, at: float = 0.0) -> Array:
+    """Return the values at the instants at which a point of a wheel passes the contact.
+
+    Parameters
+    ----------
+    angle : (nt,) array_like
+        Angle of the wheel, rad, unwrapped, such as of a `CoordinateSensor`.
+    values : (nt,) array_like
+        Force or pressure of the contact at the same instants, such as of a `ContactPressureSensor`.
+    at : float
+        Angle of the point ahead of the contact at angle 0, rad.
+
+    Returns
+    -------
+    (k,) array
+        One value for each pass.
+
+    Raises
+    ------
+    InputError
+        For arrays of different lengths, or a wheel that does not make a turn.
+
+    Examples
+    --------
+    >>> angle = np.linspace(0.0, 6 * np.pi, 301)
+    >>> rolling_passes(angle, 100.0 + angle, at=np.pi).round(3).tolist()
+    [103.142, 109.425, 115.708]
+    """
+    problems = Problems()
+    phi = problems.array("rolling passes", "angle", angle, (None,))
+    y = problems.array("rolling passes", "values", values, (None if phi is None else len(phi),))
+    problems.raise_if_any()
+    assert phi is not None and y is not None
+    turned = np.abs(phi - phi[0]) if len(phi) else phi
+    if len(phi) < 2 or np.any(np.diff(turned) < 0.0):
+        problems.add("rolling passes", "the wheel must turn in one direction")
+        problems.raise_if_any()
+    first = at % (2.0 * np.pi)
+    where = np.arange(first, turned[-1], 2.0 * np.pi)
+    if not len(where):
+        problems.add(
+            "rolling passes", f"the point does not pass: the wheel turns by {turned[-1]:.4g} rad"
+        )
+        problems.raise_if_any()
+    return np.asarray(np.interp(where, turned, y))

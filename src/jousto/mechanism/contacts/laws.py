@@ -20,6 +20,11 @@ class ContactLaw(Declared, section="contact laws", by_value=True):
 
     kind = "law of contact"
 
+    @property
+    def asked(self) -> float:
+        """Coefficient of restitution that is asked for; 0 if it follows from other numbers."""
+        return float(getattr(self, "restitution", 0.0))
+
     def numbers(self, curvature: float | None) -> dict[str, float]:
         """Return the numbers of the engine's law at the sum of both curvatures, 1/m."""
         raise NotImplementedError

@@ -34,6 +34,14 @@ class Packed:
         Number of bodies that touch one another if they are too many for an implicit method, else 0.
     slots : int
         Number of the following forces that belong to the set.
+    shapes : tuple of str
+        Names of the shapes of a set.
+    sizes : tuple of float
+        Largest distance of a place of each shape from its marker, m; 0 for shapes without end.
+    surfaces : tuple of int
+        Number of the surface of each shape.
+    restitution : tuple of tuple of float
+        Coefficients of restitution that are asked for between any two surfaces; 0: not known.
     """
 
     data: Array
@@ -41,6 +49,10 @@ class Packed:
     coupled: tuple[tuple[int, ...], ...] = ()
     dense: int = 0
     slots: int = 0
+    shapes: tuple[str, ...] = ()
+    sizes: tuple[float, ...] = ()
+    surfaces: tuple[int, ...] = ()
+    restitution: tuple[tuple[float, ...], ...] = ()
 
 
 @described
@@ -78,6 +90,12 @@ class Push:
     numbers : callable, optional
         Function that returns the `Packed` numbers that follow `data`, given the builder of the
         model.
+    pressure : float
+        Largest pressure of a contact under 1 N by Hertz, Pa, which grows with ``F^(1/3)``; 0: not
+        known.
+    thickness, restitution : float
+        Of a contact: size of the smaller shape, m, and coefficient of restitution that is asked
+        for; 0: not known.
     """
 
     kind: str
@@ -98,6 +116,9 @@ class Push:
     function: Any = None
     states: tuple[str, ...] = ()
     numbers: Callable[[Any], Packed] | None = None
+    pressure: float = 0.0
+    thickness: float = 0.0
+    restitution: float = 0.0
 
 
 class ForceElement(Declared, section="forces"):
@@ -114,6 +135,8 @@ class ForceElement(Declared, section="forces"):
         "force", "moment".
     unmeasured : str
         Reason why a `ForceSensor` cannot measure the force, with the remedy; empty if it can.
+    summed : bool
+        Whether a `ForceSensor` measures the sum of all its laws.
     pushes : tuple of Push
         Laws of the engine that make up the force, often one.
     """
@@ -122,6 +145,7 @@ class ForceElement(Declared, section="forces"):
     ties: ClassVar[bool] = True
     measured: ClassVar[tuple[str, ...]] = ("force", "moment")
     unmeasured: ClassVar[str] = ""
+    summed: ClassVar[bool] = False
     name: Name = field("Unique among the forces")
 
     @property
@@ -133,6 +157,11 @@ class ForceElement(Declared, section="forces"):
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Coordinates along which the force acts; none if it acts at markers or on a body."""
         return tuple(value for value in vars(self).values() if isinstance(value, Coordinate))
+
+    @property
+    def touching_shapes(self) -> tuple[tuple[Marker, Any], ...]:
+        """Shapes of a contact with their markers, for pictures."""
+        return ()
 
     @property
     def turns(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import gamma, hypot, pi, sqrt
+from math import gamma, hypot, inf, pi, sqrt
 from typing import Any
 
 from jousto.base.errors import Problems
@@ -108,6 +108,7 @@ class Contact(ForceElement, tag="contact"):
     """
 
     kind = "contact"
+    summed = True
     together = ("a", "b", "shape_a", "shape_b", "law", "mu_kinetic", "mu_static")
     a: MarkerField = field("Marker of the first shape")
     shape_a: ShapeField = field("Shape in the frame of a")
@@ -205,15 +206,9 @@ class Contact(ForceElement, tag="contact"):
         return None if None in both else sum(both)  # type: ignore[arg-type]
 
     @property
-    def unmeasured(self) -> str:  # type: ignore[override]
-        """Why a `ForceSensor` cannot measure it: several tips have several forces."""
-        if self._tips is None or len(self._tips) == 1:
-            return ""
-        count = len(self._tips)
-        return (
-            f"has {count} tips; take a BodyLoadSensor of the applied forces, or a contact of a "
-            "Sphere at each tip"
-        )
+    def touching_shapes(self) -> tuple[tuple[Marker, Any], ...]:
+        """Both shapes."""
+        return ((self.a, self.shape_a), (self.b, self.shape_b))
 
     @property
     def symbol(self) -> str:
@@ -253,7 +248,20 @@ class Contact(ForceElement, tag="contact"):
             "around": tip.place,
             **self._numbers(hypot(*tip.centre) + tip.radius + tip.ring),
         }
-        return Push("contact", data, a=a, b=b, states=tuple(STATES))
+        law, curvature = self.law, self._curvature
+        pressure = 0.0
+        if isinstance(law, Hertz) and curvature:
+            pressure = (6.0 * law.modulus**2 * curvature**2) ** (1.0 / 3.0) / pi
+        return Push(
+            "contact",
+            data,
+            a=a,
+            b=b,
+            states=tuple(STATES),
+            pressure=pressure,
+            thickness=self._thickness,
+            restitution=self.law.asked,
+        )
 
     @property
     def _pair(self) -> Push:
@@ -266,7 +274,15 @@ class Contact(ForceElement, tag="contact"):
             a=a,
             b=b,
             states=tuple(_point_states(most_points(on, of))),
+            thickness=self._thickness,
+            restitution=self.law.asked,
         )
+
+    @property
+    def _thickness(self) -> float:
+        """Size of the smaller shape, m; 0 if both have no end."""
+        sizes = (self.shape_a.size_about, self.shape_b.size_about)
+        return min((x for x in sizes if 0.0 < x < inf), default=0.0)
 
 
 def check_restitution(problems: Problems, where: str, law: Any) -> None:

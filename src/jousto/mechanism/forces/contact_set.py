@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property, partial
+from math import inf
 from typing import Any, ClassVar
 
 import numpy as np
@@ -111,7 +112,8 @@ class Contacts(ForceElement, tag="contacts"):
 
     kind = "contacts"
     unmeasured: ClassVar[str] = (
-        "has many forces; take a BodyLoadSensor of the applied forces on a body"
+        "has many forces; take a ContactForceSensor of two of its shapes or groups, or a "
+        "BodyLoadSensor of the applied forces on a body"
     )
     shapes: Items[CollisionShape] = field("Shapes that touch one another")
     law: OptionalContactLaw = field(
@@ -340,6 +342,11 @@ class Contacts(ForceElement, tag="contacts"):
         return self.markers
 
     @property
+    def touching_shapes(self) -> tuple[tuple[Marker, Any], ...]:
+        """All shapes."""
+        return tuple((one.marker, one.shape) for one in self.shapes)
+
+    @property
     def pushes(self) -> tuple[Push, ...]:
         """The set, and its slots."""
         slot = Push("contact slot", {}, states=tuple(SLOT), numbers=partial(_slot_numbers, self))
@@ -381,6 +388,12 @@ class Contacts(ForceElement, tag="contacts"):
             coupled=tuple(tuple(sorted(some)) for some in coupled if len(some) <= IMPLICIT),
             dense=max((len(some) for some in coupled if len(some) > IMPLICIT), default=0),
             slots=self.slots,
+            shapes=tuple(one.name for one in self.shapes),
+            sizes=tuple(x if x < inf else 0.0 for x in (one.size for one in self.shapes)),
+            surfaces=tuple(kinds),
+            restitution=tuple(
+                tuple(self._law_between(a, b).law.asked for b in names) for a in names
+            ),
         )
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, Reference, field
 from jousto.mechanism.bodies.marker import Marker, OptionalMarker
@@ -16,6 +18,10 @@ from jousto.mechanism.sensors.base import Reading, Sensor
 from jousto.mechanism.sensors.motion import frame_name
 
 FORCE, MOMENT = ("Fx", "Fy", "Fz"), ("Mx", "My", "Mz")
+SUM_FORCES, SUM_PAIR, SUM_PRESSURE = 0.0, 1.0, 2.0
+"""What a sensor of contacts sums (``jo_contact_sum`` of the engine)."""
+SUM_ROW = 6
+"""Numbers of a sum in the engine (``JO_SUM_ROW``)."""
 
 
 class Held(Reference["Joint | Coupler", "Joint | Coupler"]):
@@ -150,7 +156,9 @@ class ForceSensor(Sensor, tag="force"):
     its coordinates, positive if it increases the coordinate; of a `Force` or a `MovingLoad` the
     force (3,) N, of a `Torque` the moment (3,) N m; of a `Bushing` and a `UserForce` force and
     moment (6,) at the origin of b; of a `ModalLoad` the resultant force and moment (6,) about the
-    origin of the body frame, for the undeformed body.
+    origin of the body frame, for the undeformed body; of a `Contact` force and moment (6,), the sum
+    over its tips, on the body of the tips at the origin of its marker, or on body b of two
+    polytopes.
     """
 
     force: Pushing = field("The measured force element")
@@ -213,6 +221,11 @@ class ForceSensor(Sensor, tag="force"):
         """Input of the engine."""
         if isinstance(self.force, Friction):
             return Reading("friction", self.force)
+        count = len(self.force.pushes) if self.force.summed else 1
+        if count > 1:
+            rows = np.zeros((1, SUM_ROW))
+            rows[0, :2] = SUM_FORCES, count
+            return Reading("contact", self.force, self.first, self.axes, rows)
         return Reading("element", self.force, self.first, self.axes)
 
     @property

@@ -563,7 +563,7 @@ class Layout:
         structs = self._copied("jo_sensor", self._source.sensors)
         for i, sensor in enumerate(self._source.sensors):
             if sensor.rows is not None:
-                n, pad = self._source.bodies[sensor.object].n, self._library.JO_PAD
+                pad, n = self._library.JO_PAD, sensor.rows.shape[-1]
                 structs[i].rows = self._constant(padded_array(sensor.rows, -(-n // pad) * pad))
         return structs
 

@@ -35,6 +35,8 @@ PACE = ("step", "farthest", "ahead", "latest", "worst", "missed", "done")
 # joints count as closed below this gap, relative to the size of the mechanism or to its distance
 # from the origin
 CLOSED = 1e-14
+CONTACT_ENERGIES = ("stored", "restitution", "friction")
+"""Energies of contacts: stored, and lost by normal forces and by friction."""
 NO_EVENTS = np.zeros((0, 3))
 IMAGINARY = 1e-30  # imaginary step, for derivatives exact to round-off
 
@@ -165,6 +167,7 @@ class Engine:
     slip = _View(lambda model: len(model.frictions), np.intc)
     happened = _View(lambda model: len(model.events), np.intc)
     joint = _View(lambda model: model.nx + model.nu)
+    contact_energy = _View(lambda model: len(CONTACT_ENERGIES) if model.touches else 0)
 
     @cached_property
     def gravity(self) -> Scalars:
@@ -207,15 +210,38 @@ class Engine:
         self._library.jo_yield(self._model, self._data)
 
     def contacts(self) -> NDArray[np.float64]:
-        """Return the near pairs of sets of contacts (k, 8) at this state, after `accelerations`.
+        """Return the points (k, 25) at which bodies touch, or nearly do, at this state.
 
-        Columns: force of the set; shape that is touched, and the other one; phase, 0 apart; gap, m,
-        negative in contact; force on the other one, N, world.
+        Columns as in ``jo_touch`` of jousto.h, which `named` splits.
         """
-        slots = sum(force.slots for force in self.model.forces)
-        out = np.zeros((slots, self._library.JO_CONTACT_ROW))
-        place = self._ffi.cast("double *", out.ctypes.data)
-        return out[: self._library.jo_near_contacts(self._model, self._data, place)]
+        out = np.zeros((sum(force.points for force in self.model.forces), self._width("jo_touch")))
+        place = self._ffi.cast("jo_touch *", out.ctypes.data)
+        count = self._library.jo_contact_report(self._model, self._data, len(out), place)
+        return out[:count]
+
+    def touched(self) -> tuple[NDArray[np.float64], int]:
+        """Return the contacts (k, 14) that have parted in the last call, and the dropped ones.
+
+        Columns as in ``jo_touched`` of jousto.h; dropped is the number of contacts since the start
+        for which the engine had no room.
+        """
+        lib, count, dropped = self._library, self._ffi.new("int *"), self._ffi.new("long long *")
+        rows, width = lib.jo_data_touched(self._data, count, dropped), self._width("jo_touched")
+        out = np.zeros((count[0], width))
+        if count[0]:
+            self._ffi.memmove(self._ffi.from_buffer(out), rows, 8 * width * count[0])
+        return out, int(dropped[0])
+
+    def touching(self) -> NDArray[np.float64]:
+        """Return the contacts (k, 14) that touch now, as `touched`; they part at NaN."""
+        out = np.zeros((len(self.model.forces), self._width("jo_touched")))
+        place = self._ffi.cast("jo_touched *", out.ctypes.data)
+        return out[: self._library.jo_data_touching(self._model, self._data, place)]
+
+    @staticmethod
+    def _width(struct: str) -> int:
+        """Return the number of numbers of a struct."""
+        return int(max(place.stop for place in places(struct).values()))
 
     def unproven(self) -> tuple[int, NDArray[np.float64]]:
         """Return the number of steps so far in which a gap may have closed for a moment.

@@ -57,7 +57,11 @@ def write_run(
         return write_beam(run, path, beam=beam, times=times)
     out = target(path, ("vtu", "pvd"))
     scene = make_scene(run)
-    bodies = [body for body in scene.bodies if body.kind != "ground" and len(body.positions)]
+    bodies = [
+        body
+        for body in scene.bodies
+        if body.kind not in ("ground", "contact") and len(body.positions)
+    ]
     sizes = [_size(body) for body in bodies]
     cells = _cells(bodies, np.cumsum([0, *sizes]))
     number = np.repeat(np.arange(1.0, len(bodies) + 1.0), sizes)

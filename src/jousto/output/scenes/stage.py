@@ -294,6 +294,8 @@ def drawn_bodies(scene: Scene) -> tuple[DrawnBody, ...]:
     least = LEAST * float(np.ptp(scene.box, axis=0).max())
     found = []
     for given in scene.bodies:
+        if given.kind == "contact":
+            continue
         body = thicken_body(given, least)
         if body.triangles is None or not len(body.triangles):
             found.append(DrawnBody(body, None))
@@ -324,6 +326,8 @@ def _skeleton(run: Solution, scene: Scene, rows: Array, scale: float) -> list[Ar
     found = []
     shapes = {shape.name: shape for shape in run.bodies}
     for body in scene.bodies:
+        if body.kind == "contact":
+            continue
         if body.rings is not None:
             at = body.rings.places[:, None] + np.arange(3)
             found.append(rows[:, at].reshape(-1, 3))

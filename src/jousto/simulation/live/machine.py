@@ -219,6 +219,8 @@ class LiveMachine:
                 )
                 pace.took(found)
             self.happened.append(self._chronicle.read())
+            if self.model.touches:
+                self.touched.append(engine.touched())
             if written:
                 self.row = self._rows[written - 1].copy()
                 rows.append(self.row)
@@ -239,6 +241,12 @@ class LiveMachine:
         """Return time, source, change and count (k, 4) of the events since the last call."""
         found = np.vstack([np.zeros((0, 4)), *self.happened])
         self.happened.clear()
+        return found
+
+    def contacts(self) -> list[tuple[Array, int]]:
+        """Return contacts (k, 14) that parted since the last call, with the number dropped."""
+        found = [some for some in self.touched if len(some[0])]
+        self.touched.clear()
         return found
 
     def _before(self, time: float) -> int:
@@ -264,6 +272,7 @@ class LiveMachine:
             engine.restart()
         self._chronicle = Chronicle(engine)
         self.happened: list[Array] = []
+        self.touched: list[tuple[Array, int]] = []
         self._rows = np.zeros((2, engine.row_size))
         self.stopped = ""
         self._use(engine)

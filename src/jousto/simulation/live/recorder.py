@@ -69,7 +69,9 @@ class Recorder:
         except OSError as error:
             self._keeper.discard()
             raise unwritable(path, error) from error
-        self._queue: queue.SimpleQueue[tuple[Array, Array] | None] = queue.SimpleQueue()
+        self._queue: queue.SimpleQueue[tuple[Array, Array, list[tuple[Array, int]]] | None] = (
+            queue.SimpleQueue()
+        )
         self._thread = threading.Thread(target=self._write, name="jousto-recorder", daemon=True)
         self._thread.start()
 
@@ -78,14 +80,14 @@ class Recorder:
         """Whether the file has no room for another row."""
         return self._given >= self._room
 
-    def add(self, rows: Array, happened: Array) -> None:
-        """Add rows (k, row_size) and events (k, 4) to the file."""
+    def add(self, rows: Array, happened: Array, touched: list[tuple[Array, int]]) -> None:
+        """Add rows (k, row_size), events (k, 4) and contacts (k, 14) to the file."""
         rows = rows[: self._room - self._given]
         self._given += len(rows)
         if len(rows):
             self._time = float(rows[-1, 0])
-        if len(rows) or len(happened):
-            self._queue.put((rows, happened))
+        if len(rows) or len(happened) or touched:
+            self._queue.put((rows, happened, touched))
 
     def close(self, ended: str = "completed", complete: bool = True) -> Solution:
         """Close the file and return its results, with attributes `ended` and `complete`."""
@@ -103,6 +105,8 @@ class Recorder:
             try:
                 self._keeper.append(item[0])
                 self._keeper.note(item[1])
+                for some in item[2]:
+                    self._keeper.touch(*some)
             except OSError as error:
                 self.failed = f"cannot write {self.path}: {error}"
 
@@ -187,6 +191,8 @@ def repeat(
         rows = machine.step(every)
         keeper.append(rows)
         keeper.note(machine.events())
+        for some in machine.contacts():
+            keeper.touch(*some)
         if watch is not None:
             watch(machine)
         if machine.stopped:

@@ -309,13 +309,14 @@ class Runner:
             )
             return False
         if self._recorder is not None:
-            self._recorder.add(rows, machine.events())
+            self._recorder.add(rows, machine.events(), machine.contacts())
             if self._recorder.failed:
                 self._stop(self._recorder.failed, "failed", complete=False)
             elif self._recorder.full:
                 self._renewed("completed", lambda: None)
         else:
             machine.happened.clear()
+            machine.touched.clear()
         if machine.stopped:
             message = f"stopped by event '{machine.stopped}' at {machine.time:.9g} s"
             self._stop(f"{message}; play continues from here", message)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -62,12 +62,24 @@ def to_csv(time: Array, columns: Sequence[Column], path: Path) -> None:
     write_table(path, first, rows.tolist())
 
 
-def to_pandas(time: Array, columns: Sequence[Column]) -> Any:
-    """Return a DataFrame, see `Solution.to_pandas`."""
+def _pandas() -> Any:
     try:
         import pandas
     except ImportError as error:
         raise _missing("to_pandas", "pandas") from error
+    return pandas
+
+
+def frame_of(columns: Mapping[str, tuple[str, Sequence[Any]]]) -> Any:
+    """Return a DataFrame of columns with their units."""
+    frame = _pandas().DataFrame({name: values for name, (_, values) in columns.items()})
+    frame.attrs["units"] = {name: unit for name, (unit, _) in columns.items()}
+    return frame
+
+
+def to_pandas(time: Array, columns: Sequence[Column]) -> Any:
+    """Return a DataFrame, see `Solution.to_pandas`."""
+    pandas = _pandas()
     heads, units, values = table(time, columns)
     index = pandas.Index(time, name="time")
     frame = pandas.DataFrame(values, index=index, columns=heads)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,7 +18,21 @@ STEADY = 1e-3  # minimum of the scale over the largest kinetic energy
 @described
 @dataclass(frozen=True, eq=False)
 class Energy:
-    """Energy balance of a run: energies, losses and work, each (nt,) in J."""
+    """Energy balance of a run: energies, losses and work, each (nt,) in J.
+
+    Attributes
+    ----------
+    kinetic, strain, potential, springs : array
+        Kinetic energy, strain energy of modes and beams, potential energy of gravity, energy stored
+        in springs, contacts and bristles.
+    dissipated, friction, work : array
+        Energy lost to damping and to friction, work of forces and drives, since the start.
+    contacts : array
+        Part of `springs` that contacts store, in their normal forces and bristles.
+    restitution, rubbed : array
+        Parts of `dissipated` and of `friction` that contacts have lost: by their normal forces, and
+        by their friction. A contact that is switched off loses what it stores.
+    """
 
     kinetic: Array
     strain: Array
@@ -27,6 +41,9 @@ class Energy:
     dissipated: Array
     friction: Array
     work: Array
+    contacts: Array = field(default_factory=lambda: np.zeros(0))
+    restitution: Array = field(default_factory=lambda: np.zeros(0))
+    rubbed: Array = field(default_factory=lambda: np.zeros(0))
 
     def _facts(self) -> str:
         return f"{count(len(self.work), 'instant')}, {self.verdict.removeprefix('energy ')}"

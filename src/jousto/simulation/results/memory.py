@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 import uuid
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,11 +18,13 @@ from jousto.base.complexstep import real_parts
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import unwritable
 from jousto.model.beam_record import BeamShape
+from jousto.model.contact_points import contact_sources
 from jousto.model.model import Model
 from jousto.model.scales import scales_of
 from jousto.model.start_complex_step import plain_model
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
+from jousto.simulation.results.contact_table import ContactTable
 from jousto.simulation.results.events import Happening, happenings, joints_of, sources
 from jousto.simulation.results.records import ALL, BodyShape
 from jousto.simulation.results.row_layout import Column, columns
@@ -58,6 +60,8 @@ class MemoryRecords:
         Attributes known before the run: solver, step ...
     text : str
         Text of the model file.
+    touched : ContactTable
+        Contacts from touch to part.
     """
 
     model: Model
@@ -66,6 +70,7 @@ class MemoryRecords:
     facts: Facts
     about_run: dict[str, Any]
     text: str
+    touched: ContactTable = field(default_factory=ContactTable)
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the state to be pickled, without the force functions of the model."""
@@ -137,6 +142,10 @@ class MemoryRecords:
         names = sources(self.model)
         return happenings(self.happened, names, len(self.model.events), joints_of(self.model))
 
+    def contacts(self) -> tuple[Array, dict[str, Any], int]:
+        """Contacts (k, 14) from touch to part, their sources, and the number left out."""
+        return self.touched.rows, contact_sources(self.model), self.touched.dropped
+
     def bodies(self) -> tuple[BodyShape, ...]:
         """Bodies with their geometry for pictures."""
         return tuple(map(self._body, range(len(self.model.bodies))))
@@ -206,6 +215,7 @@ class MemoryRecords:
         try:
             writer.append(self.rows)
             writer.note(self.happened)
+            writer.touch(self.touched.rows, self.touched.dropped)
         except OSError as error:
             writer.discard()
             raise unwritable(path, error) from error
@@ -233,6 +243,7 @@ class MemoryWriter:
         self._text = text
         self.written = 0
         self.happened = np.zeros((0, len(EVENT_COLUMNS)))
+        self.touched = ContactTable()
 
     def append(self, rows: Array) -> None:
         """Add rows (k, row_size) of the engine."""
@@ -244,11 +255,16 @@ class MemoryWriter:
         if len(happened) and len(self.happened) < EVENTS:
             self.happened = np.vstack([self.happened, happened])[:EVENTS]
 
+    def touch(self, rows: Array, dropped: int) -> None:
+        """Add contacts (k, 14) from touch to part, and the number that the engine dropped."""
+        self.touched.add(rows, dropped)
+
     def close(self, complete: bool, facts: Facts) -> MemoryRecords:
         """Return the collected rows and events."""
         rows = self._rows[: self.written]
         known = {"real_time_factor": float("nan"), **facts, "complete": int(complete)}
-        return MemoryRecords(self._model, rows, self.happened, known, self._about, self._text)
+        about, text = self._about, self._text
+        return MemoryRecords(self._model, rows, self.happened, known, about, text, self.touched)
 
 
 class Keeper:
@@ -312,6 +328,10 @@ class Keeper:
     def note(self, happened: NDArray[np.float64]) -> None:
         """Add events (k, 4): time, source, change and count."""
         self._writer.note(happened)
+
+    def touch(self, rows: NDArray[np.float64], dropped: int = 0) -> None:
+        """Add contacts (k, 14) from touch to part, and the number that the engine dropped."""
+        self._writer.touch(rows, dropped)
 
     def close(self, complete: bool, facts: Facts) -> Solution:
         """Add the ending of the run to the attributes and return the results."""

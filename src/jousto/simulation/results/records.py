@@ -92,6 +92,9 @@ class Records(Protocol):
     def events(self) -> tuple[Happening, ...]:
         """Events of the run, in order of time."""
 
+    def contacts(self) -> tuple[Array, dict[str, Any], int]:
+        """Contacts (k, 14) from touch to part, their sources, and the number left out."""
+
     def bodies(self) -> tuple[BodyShape, ...]:
         """Bodies with their geometry for pictures."""
 

@@ -23,6 +23,7 @@ from jousto.model.model import Model
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results import dataframes
+from jousto.simulation.results.contacts import RunContacts
 from jousto.simulation.results.dataframes import Names, pick, selected_names
 from jousto.simulation.results.diagnostics import Energy, Residuals, Work
 from jousto.simulation.results.events import Happening
@@ -34,6 +35,8 @@ T = TypeVar("T")
 
 LONG = 100  # maximum length of a name in `repr`, characters
 WORK = ("dissipated", "friction", "work")
+OF_CONTACT = "contact_energy"  # energies of contacts in a state
+OF_CONTACTS = ("contacts", "restitution", "rubbed")  # their names in the balance
 STATES = 256  # number of states read at a time
 
 
@@ -204,7 +207,11 @@ class Solution(Mapping[str, Array]):
     @property
     def energy(self) -> Energy:
         """Energy balance."""
-        return self._diagnostics(Energy)
+        names = [field.name for field in dataclasses.fields(Energy)][: -len(OF_CONTACTS)]
+        whole = [self._records.read(f"diagnostics/{name}") for name in names]
+        if OF_CONTACT not in self._records.memory():
+            return Energy(*whole, *(np.zeros(self.nt) for _ in OF_CONTACTS))
+        return Energy(*whole, *self._records.read(f"state/{OF_CONTACT}").T)
 
     @property
     def residuals(self) -> Residuals:
@@ -220,6 +227,11 @@ class Solution(Mapping[str, Array]):
     def events(self) -> tuple[Happening, ...]:
         """Events and stick-slip transitions of the run, in order of time."""
         return self._records.events()
+
+    @cached_property
+    def contacts(self) -> RunContacts:
+        """Contacts of the run from touch to part, and those of an instant: `RunContacts`."""
+        return RunContacts(self, *self._records.contacts())
 
     @explained
     def state(self, time: float = -1.0) -> State:

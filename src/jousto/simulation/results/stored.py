@@ -17,6 +17,7 @@ from jousto.base.files import written
 from jousto.model.beam_record import BeamShape
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
+from jousto.simulation.results.contact_table import read_contacts
 from jousto.simulation.results.events import Happening, happenings
 from jousto.simulation.results.legacy_symbols import GROUP as CONNECTIONS, read_connections
 from jousto.simulation.results.records import ALL, BodyShape
@@ -127,6 +128,11 @@ class FileRecords:
             if "joints" in table:
                 joints = [name.decode() for name in table["joints"][()]]
             return happenings(np.stack(columns, axis=1), names, int(table.attrs["events"]), joints)
+
+    def contacts(self) -> tuple[Array, dict[str, Any], int]:
+        """Contacts (k, 14) from touch to part, their sources, and the number left out."""
+        with self._open() as file:
+            return read_contacts(file)
 
     def bodies(self) -> tuple[BodyShape, ...]:
         """Bodies with their geometry for pictures."""

@@ -35,7 +35,17 @@ def symbol_arrays(found: Sequence[SymbolShape]) -> dict[str, Any]:
         "turns": turns,
         "modes": np.concatenate([*modes, np.zeros((0, 3))]),
         "mode_ends": np.cumsum([len(some) for some in modes], dtype="<i8"),
+        **_triangles(found),
     }
+
+
+def _triangles(found: Sequence[SymbolShape]) -> dict[str, Any]:
+    """Return the triangles of shapes and where those of each symbol end; nothing without shapes."""
+    some = [np.zeros((0, 3, 3)) if x.triangles is None else x.triangles for x in found]
+    if not any(map(len, some)):
+        return {}
+    ends = np.cumsum([len(x) for x in some], dtype="<i8")
+    return {"triangles": np.concatenate(some), "triangle_ends": ends}
 
 
 def check_symbols(found: tuple[SymbolShape, ...], bodies: Any) -> tuple[SymbolShape, ...]:
@@ -80,15 +90,23 @@ def read_symbols(group: Any) -> tuple[SymbolShape, ...]:
     ends = np.concatenate([[0], arrays["ends"]])
     if (np.diff(ends) < 0).any() or ends[-1] != len(points):
         raise ValueError(f"{GROUP}/ends does not divide {len(points)} points among the symbols")
+    cut, surface = np.zeros(len(ends), dtype=np.int64), np.zeros((0, 3, 3))
+    if "triangles" in arrays:
+        cut = np.concatenate([[0], arrays["triangle_ends"]])
+        surface = arrays["triangles"].astype(np.float64)
+        if len(cut) != len(ends) or (np.diff(cut) < 0).any() or cut[-1] != len(surface):
+            raise ValueError(f"{GROUP}/triangle_ends does not divide {len(surface)} triangles")
     found = []
     for k, texts in enumerate(zip(*words, strict=True)):
         axis = arrays["axes"][k]
+        own = surface[cut[k] : cut[k + 1]]
         found.append(
             SymbolShape(
                 **dict(zip(WORDS, texts, strict=True)),
                 points=tuple(points[ends[k] : ends[k + 1]]),
                 axis=None if np.isnan(axis).any() else axis,
                 fixed=bool(arrays["fixed"][k]),
+                triangles=own if len(own) else None,
             )
         )
     return tuple(found)

@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 from weakref import WeakKeyDictionary
@@ -26,6 +27,7 @@ from jousto.base.files import beside_of, check_file, create, take_place, unwrita
 from jousto.base.version import __version__
 from jousto.model.model import Model
 from jousto.model.scales import scales_of
+from jousto.simulation.results.contact_table import ContactTable
 from jousto.simulation.results.events import joints_of, sources
 from jousto.simulation.results.row_layout import Column, columns
 from jousto.simulation.results.sparse_image import SparseImage, reserve
@@ -67,6 +69,7 @@ class ResultsWriter:
         self._final = Path(os.path.realpath(path))
         self.written = 0
         self.happened = np.zeros((0, len(EVENT_COLUMNS)))
+        self.touched = ContactTable()
         self._rows = rows
         self._about = (model, {"run": uuid.uuid4().hex, **attributes}, text)
         running: Facts = {"ended": "running or killed", "wall_time": np.nan}
@@ -103,6 +106,7 @@ class ResultsWriter:
                 offsets = [place.offset for place in self._event_places]
                 counts += zip(offsets, happened, strict=True)
             pieces += [(at, x.nbytes, zlib.crc32(x.tobytes())) for at, x in counts]
+            pieces += self.touched.checks(self._touch_places)
         seal.finish(pieces, lambda at, data: _write(file, at, data), closed=closed)
 
     def _begin(self, rows: int, facts: Facts) -> SparseImage:
@@ -114,12 +118,19 @@ class ResultsWriter:
             known = kept.attributes
             _set(image, {k: x for k, x in attributes.items() if not _same(x, known[k])})
             self._places, self._event_places = kept.places, kept.event_places
+            self._touch_places = kept.touch_places
             self._counter = self._places[0].offset
             return image
         image, self._places = self._image(rows, False, facts)
         if image.held <= KEPT_BYTES:
             _LAID[model] = _Laid(
-                image.copy(), rows, attributes, text, self._places, self._event_places
+                image.copy(),
+                rows,
+                attributes,
+                text,
+                self._places,
+                self._event_places,
+                self._touch_places,
             )
         return image
 
@@ -128,6 +139,7 @@ class ResultsWriter:
         with h5py.File(image, "w") as file:
             places = _describe(file, rows, complete, facts, *self._about)
             self._event_places = _describe_events(file, self._about[0])
+            self._touch_places = ContactTable.describe(file, self._about[0])
         self._counter = places[0].offset
         return image, places
 
@@ -175,7 +187,15 @@ class ResultsWriter:
             self.happened = np.vstack([self.happened, happened[:room]])
             self._note_all(self._file)
 
+    def touch(self, rows: Array, dropped: int) -> None:
+        """Add contacts (k, 14) from touch to part, and the number that the engine dropped."""
+        first = len(self.touched.rows)
+        self.touched.add(rows, dropped)
+        if len(rows):
+            self.touched.write(self._touch_places, partial(_write, self._file), first)
+
     def _note_all(self, file: BinaryIO) -> None:
+        self.touched.write(self._touch_places, partial(_write, file))
         if not self._event_places:
             return
         for column, place in enumerate(self._event_places[1:]):
@@ -307,6 +327,7 @@ class _Laid:
     text: str
     places: list[Place]
     event_places: list[Place]
+    touch_places: tuple[int, ...]
 
     def fits(self, rows: int, attributes: dict[str, Any], text: str) -> bool:
         """Return whether a run has the same layout, except for the values of its attributes."""

@@ -17,6 +17,7 @@ from jousto.model.native.ensemble import structure
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.start_complex_step import has_steps, plain_model
+from jousto.simulation.results.contact_table import ContactTable
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import IN_MEMORY, MemoryRecords
 from jousto.simulation.results.row_layout import columns
@@ -198,7 +199,11 @@ class Repeated:
         factor = (float(rows[-1, 0].real) - plan.start) / wall if wall > 0 else 0.0
         facts = {"ended": "completed", "wall_time": wall, "real_time_factor": factor, "complete": 1}
         about = {**self._about, "run": uuid.uuid4().hex}
-        found = MemoryRecords(self.model, rows, chronicle.read(), facts, about, "")
+        touched = ContactTable()
+        if self.model.touches:
+            touched.add(*engine.touched())
+            touched.add(engine.touching())
+        found = MemoryRecords(self.model, rows, chronicle.read(), facts, about, "", touched)
         rewind()
         if engine.dtype == np.float64:
             self._idle.append(started)

@@ -285,6 +285,8 @@ def _run(
         try:
             keeper.append(rows)
             keeper.note(chronicle.read())
+            if engine.model.touches:
+                keeper.touch(*engine.touched())
         except OSError as error:  # full or missing disk
             raise _DiskError(f"cannot write {keeper.place}: {error}{_remedy(error)}") from error
         watch.see(rows)
@@ -300,6 +302,8 @@ def _run(
             facts["deferred"] = int(engine.counts.deferred)
         facts |= contact_facts(engine)
         try:
+            if engine.model.touches:
+                keeper.touch(engine.touching())
             return keeper.close(complete, facts)
         except OSError as error:
             message = f"cannot write {keeper.place}: {error}{_remedy(error)}"

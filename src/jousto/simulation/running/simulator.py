@@ -286,6 +286,8 @@ class _Record:
         try:
             self._keeper.append(rows)
             self._keeper.note(happened)
+            if self._engine.model.touches:
+                self._keeper.touch(*self._engine.touched())
         except OSError as error:
             raise SimulationError(f"cannot write {self.path}: {error}", time=time) from error
         self._written += len(rows)
@@ -296,4 +298,6 @@ class _Record:
         facts = {"ended": ended, "wall_time": wall, "real_time_factor": float("nan")}
         if self._bounded:
             facts["deferred"] = int(self._engine.counts.deferred)
+        if self._engine.model.touches:
+            self._keeper.touch(self._engine.touching())
         return self._keeper.close(complete, facts)

@@ -1,0 +1,175 @@
+"""Points at which bodies touch in the state of an engine, and the pairs that may touch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.object_repr import described
+from jousto.model.model import Model
+from jousto.model.native.header import named
+from jousto.model.native.native import Engine
+
+PHASES = ("apart", "sticks", "slips", "slips")
+"""Phases of a contact; the last one slips within the present step."""
+KINDS = ("vertex", "edge", "face")
+SIDES = 3
+"""Sides of a triangle (``JO_MESH_SIDES``)."""
+BASE = 1024
+"""Vertices or faces of a polytope that a code can name (``JO_MAX_VERTICES``)."""
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class ContactPoint:
+    """Point at which two bodies touch.
+
+    Attributes
+    ----------
+    contact : str
+        Name of the contact, or of the set.
+    a, b : str
+        Shapes of a set, or bodies: that is touched, and the other one.
+    tip : int
+        Number of the tip, for shapes with several tips, or of the point of two polytopes.
+    features : str
+        Features of two polytopes that touch: ``"face 0, vertex 3"``; empty for other shapes.
+    phase : str
+        "sticks", "slips" or "apart".
+    gap : float
+        Distance, m; negative in contact.
+    point, normal : (3,) arrays
+        Contact point, m, and outward normal of a, world frame.
+    force : float
+        Normal force, N.
+    friction : (3,) array
+        Friction force on b, N, world frame.
+    pressure : float
+        Largest pressure, Pa, where the law is that of Hertz; else NaN.
+    approach : float
+        Speed of approach at the touch, m/s.
+    age : float
+        Time since the touch, s; NaN for a point that does not touch.
+    stored : float
+        Energy stored in the normal force and in the bristle, J.
+    """
+
+    contact: str
+    a: str
+    b: str
+    tip: int
+    features: str
+    phase: str
+    gap: float
+    point: Array
+    normal: Array
+    force: float
+    friction: Array
+    pressure: float
+    approach: float
+    age: float
+    stored: float
+
+
+def contact_sources(model: Model) -> dict[str, Any]:
+    """Return what the numbers of forces and shapes in contacts mean, as JSON.
+
+    "contacts" has ``[force, name, tip, body a, body b, thickness, restitution]`` of each contact of
+    two shapes: size of the smaller shape, m, and the restitution that is asked for, 0 if not known.
+    "sets" has ``[first slot, last slot, name, shapes, bodies, sizes, surfaces, restitutions]`` of
+    each set: names, bodies, sizes (m) and surfaces of its shapes, and the restitution between
+    surfaces.
+    """
+    contacts: list[Any] = []
+    sets: list[Any] = []
+    tips: dict[str, int] = {}
+    for i, force in enumerate(model.forces):
+        if force.slots:
+            at = [_body_of(model, marker) for marker in force.touches]
+            about = [force.shapes, at, force.sizes, force.surfaces, force.restitutions]
+            sets.append([i + 1, i + force.slots, force.name, *about])
+        elif force.points and not (sets and i <= sets[-1][1]):
+            tip = tips[force.name] = tips.get(force.name, -1) + 1
+            bodies = (_body_of(model, force.a), _body_of(model, force.b))
+            contacts.append([i, force.name, tip, *bodies, force.thickness, force.restitution])
+    return {"contacts": contacts, "sets": sets}
+
+
+def _body_of(model: Model, marker: int) -> str:
+    if marker < 0:  # a track through several markers
+        return "track"
+    place = model.markers[marker].body
+    return "ground" if place < 0 else model.bodies[place].name
+
+
+def points_of(engine: Engine, *, near: bool = False) -> list[ContactPoint]:
+    """Return the points at which bodies touch in the state of an engine."""
+    model, time = engine.model, float(engine.time[0].real)
+    rows = named("jo_touch", engine.contacts())
+    sources = contact_sources(model)
+    single = {force: (name, tip, a, b) for force, name, tip, a, b, *_ in sources["contacts"]}
+    owner = {k: one for one in sources["sets"] for k in range(one[0], one[1] + 1)}
+    found = []
+    for i in range(len(rows.force)):
+        if not near and not rows.phase[i]:
+            continue
+        force = int(rows.force[i])
+        if force in single:
+            name, tip, a, b = single[force]
+        else:
+            _, _, name, shapes, *_ = owner[force]
+            a, b = (shapes[int(k)] for k in rows.shapes[i])
+            tip = 0
+        if rows.feature[i]:
+            tip = int(rows.number[i])
+        touches = rows.phase[i] > 0
+        found.append(
+            ContactPoint(
+                contact=name,
+                a=a,
+                b=b,
+                tip=tip,
+                features=features_of(rows.feature[i]),
+                phase=PHASES[int(rows.phase[i])],
+                gap=float(rows.gap[i]),
+                point=rows.place[i].copy(),
+                normal=rows.normal[i].copy(),
+                force=float(rows.N[i]),
+                friction=rows.friction[i].copy(),
+                pressure=_pressure(model, rows, i),
+                approach=float(rows.speed[i]),
+                age=time - float(rows.since[i]) if touches else np.nan,
+                stored=float(rows.stored[i].sum()),
+            )
+        )
+    return found
+
+
+def features_of(code: float) -> str:
+    """Return the features that a code of two polytopes names; empty for 0."""
+    if not code:
+        return ""
+    if code < 0.0:  # of a surface of triangles, see jo_mesh_code
+        triangle, vertex = divmod((int(-code) - 1) // SIDES, BASE)
+        return f"triangle {triangle}, vertex {vertex}"
+    number, parts = int(code) - 1, list[int]()
+    for _ in range(4):
+        number, part = divmod(number, BASE)
+        parts.insert(0, part)
+    a, b = divmod(number, 3)
+    both = []
+    for kind, (first, second) in ((a, parts[:2]), (b, parts[2:])):
+        both.append(f"{KINDS[kind]} {first}" + (f"-{second}" if KINDS[kind] == "edge" else ""))
+    return ", ".join(both)
+
+
+def _pressure(model: Model, rows: Any, i: int) -> float:
+    """Return the largest pressure at a point by Hertz, Pa; NaN for other laws."""
+    force = model.forces[int(rows.force[i])]
+    if force.pressure:
+        return float(force.pressure * rows.N[i] ** (1.0 / 3.0))
+    hertz = rows.pressure[i] > 0.0 or not rows.N[i]
+    return float(rows.pressure[i]) if force.points and hertz else float("nan")
