@@ -666,6 +666,7 @@ def _states(made: Made, _: Path) -> list[Call]:
         (words.maximum, {"a": x, "b": 1.0}),
         (words.where, {"x": x, "positive": 1.0, "otherwise": 2.0}),
         (words.clip, {"x": x, "low": 0.0, "high": 1.0}),
+        (words.nodes_along, {"body": made["mechanism"].bodies[0], "start": "start", "end": "end"}),
         (words.value, {"coordinate": hinge.angle}),
         (words.rate, {"coordinate": hinge.angle}),
         (words.States, {"name": "s", "initial": {"x": 0.0}, "rates": {"x": 1.0}}),

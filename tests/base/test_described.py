@@ -42,6 +42,7 @@ VALUES = {
         "ROS3A",
         "InertiaRelief",
         "InBox",
+        "MagicFormula",
         "InCylinder",
         "InSphere",
         "Nearest",

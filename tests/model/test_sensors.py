@@ -553,7 +553,15 @@ def test_every_sensor_says_what_it_is():
     spring = jo.mechanism.PlasticSpring("spring", hinge.angle, 1.0, 9.0)  # it has states, too
     rope = jo.BeamBody("rope", [(0, 0, 0), (1, 0, 0)], jo.Circle(0.05), SOFT, elements=3)
     root = jo.Fixed("root", jo.ground["origin"], rope["start"])
+    words = jo.mechanism
+    ground, ball = jo.ground.at((0, 0, -5)), words.Sphere(0.01)
+    law = words.Hertz.between(SOFT, SOFT)
+    touch = words.Contact("touch", ground, words.HalfSpace(), beam["end"], ball, law)
+    floor = words.CollisionShape("floor", jo.ground.at((0, 0, -6)), words.HalfSpace())
+    tip = words.CollisionShape("tip", beam["end"], ball)
     given = {
+        "contacts": words.Contacts("meet", [floor, tip], law=law), "contact": touch,
+        "a": "floor", "b": "tip", "of": 2.0 * words.value(hinge.angle),
         "beam": rope, "marker": beam["end"], "body": beam, "joint": hinge, "force": spring,
         "coordinate": hinge.angle, "energy": "kinetic", "signal": jo.Step(1.0), "at": "e1.a.top",
         "load": "joint", "sn": jo.SN(S_D=1e8, N_D=1e6, k=5), "residue": "half",
@@ -569,7 +577,11 @@ def test_every_sensor_says_what_it_is():
         if kind is jo.StressSensor:
             given["sensor"] = sensors[-1]
     model = jo.compile(
-        jo.Mechanism(beam, rope, hinge, root, spring, jo.Gravity((0, -9.81, 0)), *sensors)
+        jo.Mechanism(
+            *(beam, rope, hinge, root, spring, touch, given["contacts"]),
+            jo.Gravity((0, -9.81, 0)),
+            *sensors,
+        )
     )
     for sensor in model.sensors:
         units = sensor.unit.split(", ")

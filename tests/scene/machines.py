@@ -164,6 +164,7 @@ def everything() -> jo.Mechanism:
         jo.RateSensor("rate", distance),
         jo.mechanism.EnergySensor("energy", "kinetic"),
         jo.SignalSensor("signal", jo.Constant(3.0)),
+        jo.mechanism.StateSensor("stretch", jo.mechanism.value(distance) - 0.5, unit="m"),
         jo.mechanism.DamageSensor(
             "damage",
             stress,

@@ -9,6 +9,7 @@ import pytest
 
 import jousto as jo
 from jousto.mechanism.sensors.scalar import EnergySensor, SignalSensor
+from jousto.mechanism.sensors.state import StateSensor
 from jousto.output.scenes.symbols import KINDS
 from jousto.recovery.shape import rotation_matrices
 from jousto.scene.make import make_scene
@@ -17,7 +18,7 @@ from scene.machines import COUPLINGS, FORCES, JOINTS, SENSORS, Z, ball, everythi
 
 pytestmark = pytest.mark.filterwarnings("ignore::jousto.base.errors.JoustoWarning")
 
-NOWHERE = {EnergySensor.tag, SignalSensor.tag}
+NOWHERE = {EnergySensor.tag, SignalSensor.tag, StateSensor.tag}
 NO_ENDS = {"parallel-axes", "perpendicular", "constant-orientation"}
 """Joints that pictures leave out: they hold directions and have no point."""
 PAGE = Path(__file__).parents[2] / "frontend/src/render/symbols/kinds.ts"

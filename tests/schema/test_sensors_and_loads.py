@@ -167,6 +167,8 @@ def test_sensors_equal_the_python_constructors():
     same(model.sensors, expected)
     # those of beams: test_beams.py, of states: test_plastic_spring.py, test_states.py
     others = {SectionSensor, ForceStateSensor, jo.mechanism.StateSensor}
+    # those of contacts: test_contact_sensors.py
+    others |= {jo.mechanism.ContactForceSensor, jo.mechanism.ContactPressureSensor}
     assert {type(s) for s in model.sensors} == set(SECTIONS["sensors"].values()) - others
     run = jo.simulate(jo.compile(model), 0.002)
     assert all(np.isfinite(run[name]).all() for name in run.sensors)

@@ -12,7 +12,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.complexstep import floats
-from jousto.base.errors import Problems
+from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.fields import field
 from jousto.base.numbers import DefaultNumber, Number
 from jousto.base.rotations import Direction
@@ -75,7 +75,18 @@ def nodes_along(body: FlexibleBody | BeamBody, start: str, end: str) -> tuple[Ma
         The beam.
     start, end : str
         Names of two nodes.
+
+    Raises
+    ------
+    InputError
+        If the body has no such nodes, or they are the same.
     """
+    if not isinstance(body, FlexibleBody | BeamBody):
+        raise InputError(
+            Problem("nodes_along", f"body is {body!r:.60}, must be a FlexibleBody or BeamBody")
+        )
+    if start == end:
+        raise InputError(Problem("nodes_along", f"start and end are {start!r}, must be two nodes"))
     if isinstance(body, BeamBody):
         a, b = body[start].body, body[end].body
         assert isinstance(a, BeamNode) and isinstance(b, BeamNode)

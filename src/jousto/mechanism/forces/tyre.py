@@ -135,7 +135,7 @@ class MagicFormula(TyreLaw, tag="magic-formula"):
     --------
     >>> law = MagicFormula()
     >>> print(*(round(x, 1) for x in law.peak))
-    14.6 6.6
+    10.3 9.4
     """
 
     nominal: Number = field("Nominal load", unit="N", above=0, default=4000.0)

@@ -100,7 +100,7 @@ class RailWheel(Joint, tag="rail-wheel"):
     >>> axle = RigidBody("axle", 1000.0, (600, 80, 600), position=(0, 0, 0.46))
     >>> rail = ground.at((0, 0.75, 0))
     >>> RailWheel("left", rail, axle.at((0, 0.75, 0)), 0.46, -0.05, axle=(0, 1, 0))
-    <RailWheel 'left': ground.(0, 0.75, 0) - axle.(0, 0.75, 0)>
+    <RailWheel 'left': ground.at(0, 0.75, 0) - axle.at(0, 0.75, 0)>
     """
 
     radius: Number = field("Radius of the tread at marker b", unit="m", above=0)

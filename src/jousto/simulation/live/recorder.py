@@ -5,7 +5,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -69,7 +69,7 @@ class Recorder:
         except OSError as error:
             self._keeper.discard()
             raise unwritable(path, error) from error
-        self._queue: queue.SimpleQueue[tuple[Array, Array, list[tuple[Array, int]]] | None] = (
+        self._queue: queue.SimpleQueue[tuple[Array, Array, Sequence[tuple[Array, int]]] | None] = (
             queue.SimpleQueue()
         )
         self._thread = threading.Thread(target=self._write, name="jousto-recorder", daemon=True)
@@ -80,7 +80,7 @@ class Recorder:
         """Whether the file has no room for another row."""
         return self._given >= self._room
 
-    def add(self, rows: Array, happened: Array, touched: list[tuple[Array, int]]) -> None:
+    def add(self, rows: Array, happened: Array, touched: Sequence[tuple[Array, int]] = ()) -> None:
         """Add rows (k, row_size), events (k, 4) and contacts (k, 14) to the file."""
         rows = rows[: self._room - self._given]
         self._given += len(rows)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, overload
+from typing import Any, TypeVar, overload
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, count
@@ -17,9 +17,6 @@ from jousto.model.native.native import Engine
 from jousto.simulation.results.contact_findings import contact_findings
 from jousto.simulation.results.dataframes import frame_of
 from jousto.simulation.state import State, put
-
-if TYPE_CHECKING:
-    from jousto.simulation.results.solution import Solution
 
 T = TypeVar("T")
 NEAR = 1e-9
@@ -174,7 +171,7 @@ class RunContacts(_Listed[ContactEvent]):
 
     units = EVENT_UNITS
 
-    def __init__(self, run: Solution, rows: Array, sources: dict[str, Any], dropped: int) -> None:
+    def __init__(self, run: Any, rows: Array, sources: dict[str, Any], dropped: int) -> None:
         pairs = pairs_of(sources)
         super().__init__([_event(row, pairs) for row in rows.tolist()])
         self._run = run
