@@ -325,6 +325,13 @@ static int turns(const double *e)
     return square >= 1.0 / NORM2_RANGE && square <= NORM2_RANGE;
 }
 
+/* numbers that end a row, after the joint coordinates: energies of contacts */
+static int energies_in(const jo_model *m)
+{
+    const int discrete = 3 * m->nlock + 3 * m->nfriction + m->nevent + m->ninput + m->nmemory;
+    return jo_row_size(m) - sensors_at(m) - m->nout - m->nstate - m->nturn - discrete - m->nx - m->nu;
+}
+
 /* whether the numbers of a row are consistent with this model: finite, discrete states and counts in their ranges */
 static int possible(const jo_model *m, const double *row)
 {
@@ -332,7 +339,7 @@ static int possible(const jo_model *m, const double *row)
     const int after = sensors + m->nout, ints = m->nlock + m->nfriction;
     for (int i = 0; i < lead; i++)
         if (!is_finite(row[i])) return 0;
-    const int joint = jo_row_size(m) - m->nx - m->nu, end = joint - m->nmemory;
+    const int joint = jo_row_size(m) - energies_in(m) - m->nx - m->nu, end = joint - m->nmemory;
     for (int i = after; i < end; i++)
         if (!is_finite(row[i])) return 0;
     for (int i = joint; i < joint + m->nx + m->nu; i++)
@@ -388,7 +395,8 @@ int jo_machine_load(jo_machine *k, const double *state)
     row = put_int(jo_data_happened(d), row, m->nevent);
     row = put(jo_data_input(d), row, m->ninput);
     memcpy(jo_data_memory(d), row, sizeof(double) * (size_t)m->nmemory);
-    put(jo_data_joint(d), row + m->nmemory, m->nx + m->nu);
+    row = put(jo_data_joint(d), row + m->nmemory, m->nx + m->nu);
+    put(jo_data_contact_energy(d), row, energies_in(m));
     k->status = JO_OK;
     return JO_MACHINE_OK;
 }

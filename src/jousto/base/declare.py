@@ -42,7 +42,7 @@ SECTIONS: dict[str, dict[str, type[Declared]]] = {}
 """Classes by their word ``type`` in each section of a model file."""
 
 
-@dataclass_transform(field_specifiers=(field, kept))
+@dataclass_transform(eq_default=False, field_specifiers=(field, kept))
 class Declared:
     """Base of all classes that are declared by their fields.
 
