@@ -76,7 +76,7 @@ class BrushTyre(TyreLaw, tag="brush"):
     Examples
     --------
     >>> BrushTyre(1.0, load=4000, stiffness_x=80e3, stiffness_y=60e3, half_length=0.06)
-    BrushTyre(mu=1, load=4000, stiffness_x=80000, stiffness_y=60000, half_length=0.06)
+    BrushTyre(mu=1.0, load=4000.0, stiffness_x=80000.0, stiffness_y=60000.0, half_length=0.06)
     """
 
     mu: Number = field("Coefficient of friction", unit="1", above=0)
