@@ -51,6 +51,9 @@ static inline bool operator!=(jo_real a, jo_real b) { return a.x != b.x; }
 static inline jo_real sqrt(jo_real a) { jo_flops++; return sqrt(a.x); }
 static inline jo_real exp(jo_real a) { jo_flops++; return exp(a.x); }
 static inline jo_real pow(jo_real a, jo_real b) { jo_flops++; return pow(a.x, b.x); }
+static inline jo_real log(jo_real a) { jo_flops++; return log(a.x); }
+static inline jo_real atan(jo_real a) { jo_flops++; return atan(a.x); }
+static inline jo_real tanh(jo_real a) { jo_flops++; return tanh(a.x); }
 static inline jo_real sin(jo_real a) { jo_flops++; return sin(a.x); }
 static inline jo_real cos(jo_real a) { jo_flops++; return cos(a.x); }
 static inline jo_real atan2(jo_real a, jo_real b) { jo_flops++; return atan2(a.x, b.x); }
