@@ -39,8 +39,8 @@ def test_a_program_runs_the_tree(model: jo.Model, folder: Path) -> None:
     found = table(compiled(folder, "arm.c", flags=(*PLAIN, "-DMAIN")), "0.4", "10")
     run = jo.simulate(model, 0.4, solver=jo.ROS2(step=STEP), output_step=0.04)
     want = expected(model, run)
-    # what the other core computes differs by 1e-6 m and 1e-3 N, the error of the method. Touches are
-    # located in time within 1e-11 s, in which places of a few centimetres move at 1 m/s
+    # what the other core computes differs by 1e-6 m and 1e-3 N, the error of the method; touches
+    # are located in time within 1e-11 s, in which places move by 1e-11 m
     scale = np.maximum(np.abs(want).max(axis=0), 0.1)
     assert found.shape == want.shape
     assert (np.abs(found - want) <= 1e-10 * scale).all()
