@@ -17,7 +17,7 @@ typedef struct jo_network {
     int *rate, *push, *slope;   /* (n) register of x'; (2 x npush) coordinate, register; (3 x nslope) row, column, register */
     jo_real *r;             /* (registers): constants, x, s, s', time, signals, results of instructions */
     jo_real *S;             /* (n + m) x (n + 2 m): derivatives of x' and F with respect to x, s, s' */
-    jo_real *A, *P;         /* (n x n) factors of 1 - g h f_x or of ca - cv f_x; (m x n) F_x A^-1 */
+    jo_real *A;             /* (n x n) factors of 1 - g h f_x or of ca - cv f_x */
     int *pivot;             /* (n) */
     jo_real *K, *D, *G;     /* (m x m) -dF/ds, -dF/ds' with the response of x, and g h D + (g h)^2 K */
     jo_real *u, *w, *y, *F; /* (m): arguments of K and D in a stage, work */

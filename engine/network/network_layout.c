@@ -58,7 +58,6 @@ static void take(const jo_model *m, const jo_force *f, jo_network *w, jo_arena *
     w->r = jo_take_reals(a, w->registers);
     w->S = jo_take_reals(a, (w->n + w->m) * (w->n + 2 * w->m));
     w->A = jo_take_reals(a, w->n * w->n);
-    w->P = jo_take_reals(a, w->m * w->n);
     jo_real **square[3] = {&w->K, &w->D, &w->G}, **of_rows[4] = {&w->u, &w->w, &w->y, &w->F}, **of_states[2] = {&w->k, &w->z};
     for (int i = 0; i < 3; i++) *square[i] = jo_take_reals(a, w->m * w->m);
     for (int i = 0; i < 4; i++) *of_rows[i] = jo_take_reals(a, w->m);

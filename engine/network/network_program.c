@@ -119,7 +119,7 @@ void jo_network_solve(const jo_real *A, int n, const int *pivot, jo_real *x)
 }
 
 /* Response of the states, (ca - cv f_x) dx' = f_s ds + f_s' ds', dx = cv dx' for a unit of algorithmic rate: K = -(F_s + cv F_x A^-1 f_s),
- * D = -(F_s' + cv F_x A^-1 f_s'), P = F_x A^-1 */
+ * D = -(F_s' + cv F_x A^-1 f_s') */
 void jo_network_response(jo_network *w, double ca, double cv)
 {
     const int n = w->n, m = w->m, columns = n + 2 * m;
