@@ -670,6 +670,22 @@ def _states(made: Made, _: Path) -> list[Call]:
         (words.value, {"coordinate": hinge.angle}),
         (words.rate, {"coordinate": hinge.angle}),
         (words.States, {"name": "s", "initial": {"x": 0.0}, "rates": {"x": 1.0}}),
+        (words.Adder, {"name": "s", "inputs": [x, 1.0], "gains": [1.0, -1.0]}),
+        (words.Multiplier, {"name": "s", "inputs": [x, 1.0]}),
+        (words.Switch, {"name": "s", "condition": x, "positive": 1.0, "otherwise": x}),
+        (words.Saturation, {"name": "s", "input": x, "lower": -1.0, "upper": 1.0}),
+        (words.DeadBand, {"name": "s", "input": x, "lower": -1.0, "upper": 1.0}),
+        (words.BlockForce, {"name": "s", "coordinate": hinge.angle, "force": x}),
+        (words.PIDController, {"name": "s", "reference": 1.0, "measured": x, "kp": 2.0}),
+        (words.RateLimit, {"name": "s", "input": x, "rising": 1.0}),
+        (words.LinearSystem, {"name": "s", "inputs": x, "A": [[1.0]], "B": [[1.0]], "C": [[1.0]]}),
+        (
+            words.TransferFunction,
+            {"name": "s", "input": x, "numerator": [1.0], "denominator": [1.0, 2.0]},
+        ),
+        (words.Integrator, {"name": "s", "input": x}),
+        (words.Lag, {"name": "s", "input": x, "time": 0.1}),
+        (words.Lead, {"name": "s", "input": x, "lead": 0.2, "lag": 0.1}),
         (words.StateSensor, {"name": "s", "of": x}),
     ]
 

@@ -72,3 +72,83 @@ def test_what_is_wrong_is_named(old: str, new: str, message: str) -> None:
     assert old in MODEL
     with pytest.raises(InputError, match=message):
         jo.compile(parse_model(MODEL.replace(old, new)).mechanism)
+
+
+BLOCKS = """
+bodies: [{name: cart, mass: 1, inertia: [1, 1, 1]}]
+joints: [{type: prismatic, name: rail, a: ground.origin, b: cart.origin, axis: [1, 0, 0]}]
+states:
+  - {type: linear-system, name: system, inputs: [rail.displacement, {type: harmonic, frequency: 2}],
+     A: [[-2, 1], [0, -3]], B: [[1, 0], [0, 1]], C: [[1, 1]], D: [[0.5, 0]], initial: [1, 2]}
+  - {type: transfer-function, name: measured, input: rail.displacement, numerator: [1],
+     denominator: [1e-3, 0.05, 1]}
+  - {type: sum, name: error, inputs: [1 m, measured.y], gains: [1, -1]}
+  - {type: pid, name: pid, reference: 100 cm, measured: measured.y, kp: 8, ki: 4, kd: 4, limit: 1.5,
+     anti_windup: clamping, feedforward: 0.1*system.y}
+  - {type: lead, name: lead, input: pid.u, lead: 30 ms, lag: 10 ms}
+  - {type: lag, name: motor, input: lead.y, time: 20 ms}
+  - {type: rate-limit, name: slow, input: motor.y, rising: 20}
+  - {type: saturation, name: limited, input: slow.y, lower: -1.2, upper: 1.2}
+  - {type: dead-band, name: band, input: limited.y, lower: -0.1, upper: 0.1}
+  - {type: switch, name: chosen, condition: error.y - 0.5, positive: band.y, otherwise: limited.y}
+  - {type: product, name: power, inputs: [chosen.y, rate(rail.displacement)]}
+  - {type: integrator, name: work, input: power.y, gain: 2}
+  - {type: force, name: push, coordinate: rail.displacement, force: chosen.y}
+sensors:
+  - {type: state, name: work, of: work.y, unit: J}
+  - {type: state, name: y, of: system.y}
+  - {type: coordinate, name: x, coordinate: rail.displacement}
+"""
+
+
+def test_blocks_equal_the_python_constructors() -> None:
+    read = parse_model(BLOCKS).mechanism
+    (rail,) = read.joints
+    s, b = rail.displacement, jo.mechanism
+    tf = b.TransferFunction("measured", s, [1.0], [1e-3, 0.05, 1.0])
+    system = b.LinearSystem(
+        "system",
+        [s, jo.Harmonic(frequency=2.0)],
+        *([[-2, 1], [0, -3]], [[1, 0], [0, 1]], [[1, 1]], [[0.5, 0]]),
+        initial=[1, 2],
+    )
+    error = b.Adder("error", [1.0, tf["y"]], [1, -1])
+    gains = {"kp": 8.0, "ki": 4.0, "kd": 4.0, "limit": 1.5, "anti_windup": "clamping"}
+    pid = b.PIDController("pid", 1.0, tf["y"], feedforward=0.1 * system["y"], **gains)
+    lead = b.Lead("lead", pid["u"], 0.03, 0.01)
+    motor = b.Lag("motor", lead["y"], 0.02)
+    slow = b.RateLimit("slow", motor["y"], 20.0)
+    limited = b.Saturation("limited", slow["y"], -1.2, 1.2)
+    band = b.DeadBand("band", limited["y"], -0.1, 0.1)
+    chosen = b.Switch("chosen", error["y"] - 0.5, band["y"], limited["y"])
+    power = b.Multiplier("power", [chosen["y"], rate(s)])
+    work = b.Integrator("work", power["y"], 2.0)
+    push = b.BlockForce("push", s, chosen["y"])
+    blocks = system, tf, error, pid, lead, motor, slow, limited, band, chosen, power, work, push
+    sensors = (
+        StateSensor("work", work["y"], unit="J"),
+        StateSensor("y", system["y"]),
+        jo.CoordinateSensor("x", s),
+    )
+    made = jo.Mechanism(*read.bodies, rail, *blocks, *sensors)
+    runs = [jo.simulate(jo.compile(one), 1.0, solver=jo.RK4(1e-3)) for one in (read, made)]
+    for name in ("work", "y", "x"):
+        assert np.array_equal(runs[0][name], runs[1][name])
+        assert abs(runs[0][name][-1, 0]) > 0.05
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("input: pid.u", "input: pid.v", "needs 'v' of block 'pid'"),
+        ("input: lead.y", "inputs: lead.y", "inputs"),
+        ("anti_windup: clamping", "anti_windup: clamp", "11: .*anti_windup"),
+        ("[1 m, measured.y]", "[1 m, measured.y, 2]", "3 inputs and 2 gains"),
+        ("numerator: [1]", "numerator: [1, 0, 0, 1]", "degree 3"),
+        ("time: 20 ms", "time: 20 mm", "mm"),
+    ],
+)
+def test_what_is_wrong_of_blocks_is_named(old: str, new: str, message: str) -> None:
+    assert old in BLOCKS
+    with pytest.raises(InputError, match=message):
+        jo.compile(parse_model(BLOCKS.replace(old, new)).mechanism)

@@ -76,7 +76,16 @@ from .sensors.section import SectionSensor as SectionSensor
 from .sensors.state import StateSensor as StateSensor
 from .signals.base import Product as Product, Sum as Sum
 from .signals.switched import Switched as Switched
+from .states.arithmetic import (
+    Adder as Adder,
+    BlockForce as BlockForce,
+    DeadBand as DeadBand,
+    Multiplier as Multiplier,
+    Saturation as Saturation,
+    Switch as Switch,
+)
 from .states.block import Block as Block, Equations as Equations, States as States
+from .states.control import PIDController as PIDController, RateLimit as RateLimit
 from .states.expression import (
     Expression as Expression,
     absolute as absolute,
@@ -95,4 +104,11 @@ from .states.expression import (
     time as time,
     value as value,
     where as where,
+)
+from .states.linear import (
+    Integrator as Integrator,
+    Lag as Lag,
+    Lead as Lead,
+    LinearSystem as LinearSystem,
+    TransferFunction as TransferFunction,
 )

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field as keep
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from jousto.base.declare import Declared
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.base.fields import Field, Name, field, kept
-from jousto.base.numbers import number
+from jousto.base.fields import Name, field, kept
 from jousto.base.object_repr import described
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.signals.base import Signal
-from jousto.mechanism.states.expression import Expression, expression, leaves_of
-from jousto.mechanism.states.formula import FormulaError, formula
+from jousto.mechanism.states.expression import Expression, leaves_of, linear
+from jousto.mechanism.states.inputs import FormulasField, as_expression, as_formula
+from jousto.mechanism.states.state_space import matrices_of
 
 
 @described
@@ -55,8 +57,14 @@ class Block(Declared, section="states"):
         """Sizes of states that count as 1 for error control, by name; others have 1."""
         return {}
 
-    outputs: Any = ()
-    """Names of the outputs."""
+    if TYPE_CHECKING:
+
+        @property
+        def outputs(self) -> Any:
+            """Names of the outputs; a class attribute, a property or a field."""
+
+    else:
+        outputs = ()
 
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return the equations with the states x by name."""
@@ -114,62 +122,12 @@ class Block(Declared, section="states"):
                 if name not in given:
                     problems.add(where, f"has no {what} of {name!r}")
                 else:
-                    into[name] = _as_expression(problems, where, f"{what} of {name!r}", given[name])
+                    into[name] = as_expression(problems, where, f"{what} of {name!r}", given[name])
         for coordinate, force in made.forces:
-            found = _as_expression(problems, where, f"force along {coordinate.name!r}", force)
+            found = as_expression(problems, where, f"force along {coordinate.name!r}", force)
             done.forces.append((coordinate, found))
         problems.raise_if_any()
         return done
-
-
-class FormulasField(Field["Mapping[Any, Any] | None", "dict[Any, Any]"]):
-    """Field of formulas or numbers by name, or by coordinate.
-
-    Parameters
-    ----------
-    text, default, kw_only
-        As for every field.
-    numbers : bool
-        Whether the values are numbers.
-    along : bool
-        Whether the keys are coordinates.
-    """
-
-    form = "formulas"
-    noun = "dict"
-
-    def __init__(
-        self, text: str = "", *, numbers: bool = False, along: bool = False, **common: Any
-    ) -> None:
-        super().__init__(text, **common)
-        self.numbers, self.along = numbers, along
-
-    def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a dict, or report another type and keys or numbers that are invalid."""
-        if not isinstance(value, Mapping):
-            problems.add(where, f"{self.name} is {value!r}, must be a dict", self.name)
-            return {}
-        made: dict[Any, Any] = {}
-        for key, given in value.items():
-            if not isinstance(key, Coordinate if self.along else str):
-                what = "coordinates" if self.along else "names"
-                problems.add(where, f"{self.name} has the key {key!r}, must have {what}", self.name)
-            elif isinstance(key, str) and not key.isidentifier():
-                problems.add(where, f"{self.name}: {key!r} is no name of a state", self.name)
-            elif self.numbers:
-                made[key] = number(problems, where, f"{self.name} of {key!r}", given)
-            else:
-                made[key] = given
-        return made
-
-
-def _as_expression(problems: Problems, where: str, what: str, given: Any) -> Any:
-    found = expression(given)
-    if found is None:
-        problems.add(
-            where, f"{what} is {given!r}, must be an expression of states, inputs, numbers, signals"
-        )
-    return found
 
 
 class States(Block, tag="states"):
@@ -222,7 +180,7 @@ class States(Block, tag="states"):
         for name, given in self.inputs.items():
             if name in names:
                 problems.add(where, f"{name!r} is a state and an input", "inputs")
-            names[name] = _formula(problems, where, f"input {name!r}", given, {})
+            names[name] = as_formula(problems, where, f"input {name!r}", given, {})
         for name in self.sizes:
             if name not in self.initial:
                 problems.add(where, f"sizes has no state {name!r}{suggest(name, self.initial)}")
@@ -232,10 +190,10 @@ class States(Block, tag="states"):
             ("outputs", "output", made.outputs),
         ):
             for name, given in getattr(self, key).items():
-                into[name] = _formula(problems, where, f"{what} {name!r}", given, names)
+                into[name] = as_formula(problems, where, f"{what} {name!r}", given, names)
         for coordinate, given in self.forces.items():
             label = f"force along {coordinate.name!r}"
-            made.forces.append((coordinate, _formula(problems, where, label, given, names)))
+            made.forces.append((coordinate, as_formula(problems, where, label, given, names)))
         for name in made.outputs:
             if name in self.initial:
                 problems.add(where, f"{name!r} is a state and an output", "outputs")
@@ -271,7 +229,7 @@ class States(Block, tag="states"):
         where = f"states {name!r}"
         problems = Problems()
         given = {
-            key: _formula(problems, where, f"input {key!r}", one, {})
+            key: as_formula(problems, where, f"input {key!r}", one, {})
             for key, one in dict(inputs or {}).items()
         }
         problems.raise_if_any()
@@ -289,6 +247,59 @@ class States(Block, tag="states"):
         rates, outputs, forces = (*parts, {}, {})[:3]
         return cls(name, initial, rates, outputs=outputs, forces=forces, sizes=sizes)
 
+    @classmethod
+    def from_system(
+        cls, name: str, system: Any, *inputs: Any, initial: Any = None, size: float = 1.0
+    ) -> States:
+        """Return a linear system of python-control or `scipy.signal` as states.
+
+        Its states are ``x1``, ``x2`` and so on, in the order of the system; its outputs ``y``, or
+        ``y1``, ``y2`` and so on.
+
+        Parameters
+        ----------
+        name : str
+            Name of the block.
+        system : object
+            Object with the attributes ``A, B, C, D`` or ``num, den``, and ``dt``.
+        *inputs : Expression, Coordinate, Signal, float or str
+            Inputs of the system.
+        initial : (n,) array_like, optional
+            Initial values of the states; zeros if not given.
+        size : float
+            Size of the states for the error control of DormandPrince.
+
+        Raises
+        ------
+        InputError
+            If the object is no linear system, differentiates its input, is sampled, or has
+            another number of inputs.
+        """
+        where = f"states {name!r}"
+        (A, B, C, D), period = matrices_of(system)
+        problems = Problems()
+        terms = [
+            as_formula(problems, where, f"input {i + 1}", one, {}) for i, one in enumerate(inputs)
+        ]
+        if period:
+            text = f"the system is sampled every {period:g} s; give a continuous one"
+            problems.add(where, text)
+        if len(terms) != B.shape[1]:
+            text = f"the system has {B.shape[1]} inputs, {len(terms)} are given"
+            problems.add(where, text)
+        start = np.zeros(len(A)) if initial is None else np.ravel(initial)
+        if len(start) != len(A):
+            problems.add(where, f"the system has {len(A)} states, {len(start)} initial values")
+        problems.raise_if_any()
+        names = [f"x{i + 1}" for i in range(len(A))]
+        terms = [*(Expression("named", of=(name, one)) for one in names), *terms]
+        rates = linear(np.hstack([A, B]), terms)
+        y = linear(np.hstack([C, D]), terms)
+        made = {"y": y[0]} if len(y) == 1 else {f"y{i + 1}": one for i, one in enumerate(y)}
+        first = dict(zip(names, start, strict=True))
+        sizes = dict.fromkeys(names, size)
+        return cls(name, first, dict(zip(names, rates, strict=True)), outputs=made, sizes=sizes)
+
     @property
     def starts(self) -> Mapping[str, float]:
         """Initial values of the states by name."""
@@ -302,20 +313,3 @@ class States(Block, tag="states"):
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return the equations of the fields."""
         return self._made  # type: ignore[no-any-return]
-
-
-def _formula(
-    problems: Problems, where: str, what: str, given: Any, names: Mapping[str, Any]
-) -> Any:
-    """Return an expression, signal, number or formula as an expression, or report it."""
-    if not isinstance(given, str):
-        return _as_expression(problems, where, what, given)
-
-    def refer(block: str, part: str) -> Expression:
-        return Expression("named", of=(block, part))
-
-    try:
-        return formula(given, names, refer)
-    except FormulaError as error:
-        problems.add(where, f"{what}: {error}")
-        return Expression("number", of=0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -228,6 +228,18 @@ def clip(x: Any, low: Any, high: Any) -> Expression:
 def absolute(x: Any) -> Expression:
     """Return the magnitude of an expression."""
     return where(x, x, _function("subtract", 0.0, x))
+
+
+def linear(rows: Array, terms: Sequence[Expression]) -> list[Expression]:
+    """Return the sums of terms with the factors of each row (count x terms); zeros are left out."""
+    made = []
+    for row in rows:
+        total: Any = Expression("number", of=0.0)
+        for factor, term in zip(row, terms, strict=True):
+            if factor != 0.0:
+                total = total + factor * term
+        made.append(total)
+    return made
 
 
 def smooth_step(x: Any) -> Expression:

@@ -74,4 +74,6 @@ SignalOrNumber: TypeAlias = Annotated[
 SPECIAL[Table] = TableEntry
 FORMS["signal"] = lambda field: SignalOrNumber
 FORMS["formulas"] = lambda field: dict[Text, SignalOrNumber]
+FORMS["formula"] = lambda field: SignalOrNumber
+FORMS["formula list"] = lambda field: tuple[SignalOrNumber, ...]
 FORMS["signals"] = lambda field: tuple[SignalOrNumber, ...]

@@ -34,8 +34,9 @@ def _value(place: Place, value: Any) -> Any:
     try:
         return in_si(value)
     except UnitError:
-        if not place.field.numbers:
-            return _input(place, value) if place.field.name == "inputs" else value
+        if not getattr(place.field, "numbers", False):
+            inputs = place.field.name == "inputs" or place.field.form != "formulas"
+            return _input(place, value) if inputs else value
     place.builder.note(place.loc, f"{value!r} is no number with a unit")
     return None
 
@@ -61,4 +62,10 @@ def _input(place: Place, text: str) -> Any:
         return None
 
 
-FORMS = {"formulas": formulas}
+def several(place: Place, given: Any) -> Any:
+    """Return inputs; None if one is invalid."""
+    made = tuple(_value(place.at(i), value) for i, value in enumerate(given))
+    return None if any(value is None for value in made) else made
+
+
+FORMS = {"formulas": formulas, "formula": _value, "formula list": several}
