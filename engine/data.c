@@ -95,7 +95,6 @@ static jo_data *place(const jo_model *m, void *memory)
     jo_joint_plan(m, d);
     jo_joint_setup(m, d, 0);
     jo_force_setup(m, d);
-    jo_contact_setup(m, d);
     jo_networks_setup(m, d);
     if (jo_watched(m)) jo_event_setup(m, d);
     if (m->nmeter) jo_damage_setup(m, d);

@@ -41,7 +41,8 @@ typedef double jo_real;
  *   around > 0: a point of the rim of a cylinder with the radius `ring`, at the angle around - 1 from its lowest point
  * contact_pair: two convex polytopes, see force_contact_pair.c; 8 states for each of up to 8 points
  * contact_set: shapes whose pairs are not known; its numbers are followed by the rows of contact_rows.h, its force by those of its slots
- * contact_slot: contact of a pair that is near; set, number: forces of the set and of the slot; eight states from jo_force.state on
+ * contact_slot: contact of a pair that is near; set, number: forces of the set and of the slot; two states from jo_force.state on, then those
+ *   of a contact, or of a contact_pair
  * contact_track: a wheel on a curve through markers, see force_contact_track.c; followed by its pieces (count); seven states from jo_force.state on
  * tyre: of a wheel b on a plane of a, see force_tyre.c and tyre_law.c; two states from jo_force.state on
  * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
@@ -57,7 +58,7 @@ typedef double jo_real;
     ROW(user, none) \
     ROW(moving_load, count, modes, force[3]) \
     ROW(contact, JO_CONTACT_LAW, JO_TOUCH_LAW, shape, size[3], centre[3], radius, ring, around) \
-    ROW(contact_set, shapes, tips, surfaces, groups, excluded, slots, resolve) \
+    ROW(contact_set, shapes, tips, surfaces, groups, excluded, slots, pairs, resolve) \
     ROW(contact_slot, set, number) \
     ROW(pid, proportional, integral, derivative, weight, filter, filter_share, tracking, tracking_share, lower, upper, start, speed) \
     ROW(plastic, stiffness, free, strength, kinematic, recovery, isotropic, saturation, rate) \

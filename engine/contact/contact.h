@@ -16,39 +16,48 @@ typedef enum {
     JO_SHAPE_CYLINDER = 5,      /* radius, half the length */
     JO_SHAPE_BORE = 6,          /* radius of an endless hole */
     JO_SHAPE_TORUS = 7,         /* radius of the circle of centres, radius of the tube */
-    JO_SHAPE_ELLIPSOID = 8      /* half the lengths along x, y, z */
+    JO_SHAPE_ELLIPSOID = 8,     /* half the lengths along x, y, z */
+    JO_SHAPE_HULL = 9,          /* of points, in sets of shapes only: its polytope */
+    JO_SHAPE_SURFACE = 10       /* of triangles, in sets of shapes only, which it does not touch */
 } jo_shape_type;
 
 /* Signed distance of a point outside of a shape (inside: negative), m; its gradient, the outward normal; its second derivatives, 1/m. */
 typedef struct { jo_real gap, normal[3], hessian[9]; } jo_distance;
 
 enum { JO_PAIR_STATES = 8 };      /* states of a point of a contact_pair */
-enum { JO_TREE_CONTACT_ROWS = 48 };   /* largest number of rows of contacts that a tree in joint coordinates takes, three a contact */
+enum { JO_SLOT_STATES = 2 };      /* states of a slot before those of its contact: shape that is touched + 1, tip or other shape + 1; 0: free */
+/* numbers that trees in joint coordinates take at most: rows of contacts of known pairs, three each, and of networks; closed contacts, with those
+ * of sets; free bodies beside a set */
+enum { JO_TREE_ROWS = 48, JO_TREE_CLOSED = 32, JO_TREE_BODIES = 8 };
 
 /* A contact in the matrix M + J^T G J of a step, G = g h D + (g h)^2 (K + B): derivatives of its force F on b with respect to the position
  * and velocity of b on a at the contact point and to the stretch s of its bristle, as in the first stage; resolved in a, (3 x 3) by rows. */
 typedef struct jo_contact_matrix {
-    int force, first, state;   /* in m->force; first one of its states, which is its phase, 0 apart; first one of s */
+    int declared;           /* in m->force */
+    const jo_force *force;  /* the same, or the contact of a slot, with the markers a and b */
+    int first, state;       /* first one of its states, which is its phase, 0 apart; first one of s */
     int closed;             /* whether the matrix of the present step contains it */
     int follows;            /* whether s follows the slip velocity */
-    int link[2];            /* links of a and b in joint coordinates; -1: ground */
     int at[2], count[2];    /* of the velocities on which that of the contact point depends: the first, and their number */
+    jo_real *room[2];       /* for J in maximal coordinates */
     jo_real *J[2];          /* (3 x count) velocity of b on a at the contact point: sum of J[i] times these */
     jo_real point[3], normal[3];   /* contact point, m, world; normal of a */
     jo_real K[9], D[9], B[9], G[9];   /* -dF/dx, -dF/dv, -dF/ds; G */
     jo_real u[3], w[3], S[3];   /* J times the arguments of stiffness and damping in this stage, sum s_ij s_j' of the earlier stages */
 } jo_contact_matrix;
 
+/* number of points of a slot for two polytopes; 0: it is one for a tip */
+static inline int jo_slot_pair_points(const jo_force *f) { return (f->states - JO_SLOT_STATES) / JO_PAIR_STATES; }
 /* number of points of a force at which two bodies touch */
 static inline int jo_contact_points(const jo_force *f)
 {
+    if (f->type == JO_FORCE_contact_slot) return jo_slot_pair_points(f) > 0 ? jo_slot_pair_points(f) : 1;
     return f->type == JO_FORCE_contact ? 1 : f->type == JO_FORCE_contact_pair ? f->states / JO_PAIR_STATES : 0;
 }
-static inline int jo_contact_count(const jo_model *m)
+/* first state of a point */
+static inline int jo_contact_first(const jo_force *f, int point)
 {
-    int n = 0;
-    for (int i = 0; i < m->nforce; i++) n += jo_contact_points(&m->force[i]);
-    return n;
+    return f->state + (f->type == JO_FORCE_contact_slot ? JO_SLOT_STATES : 0) + JO_PAIR_STATES * point;
 }
 
 /* the contact with this first state */
@@ -67,14 +76,10 @@ static inline void jo_contact_velocity(const jo_contact_matrix *c, const jo_real
     }
 }
 
-/* closed contact after c, or the first one; 0: none */
-static inline const jo_contact_matrix *jo_next_contact(const jo_data *d, const jo_contact_matrix *c)
-{
-    const jo_contact_matrix *end = d->contacts.matrix + d->contacts.count;
-    for (c = c ? c + 1 : d->contacts.matrix; c < end; c++)
-        if (c->closed) return c;
-    return 0;
-}
+/* whether the matrix of a step takes contacts, the number of closed ones, and the i-th of them */
+static inline int jo_matrix_takes_contacts(const jo_data *d) { return d->contacts.fit; }
+static inline int jo_closed_contacts(const jo_data *d) { return d->contacts.closed; }
+static inline jo_contact_matrix *jo_closed_contact(const jo_data *d, int i) { return &d->contacts.matrix[d->contacts.list[i]]; }
 
 /* Convex polytope with rounded edges: all points within a radius of it. A half-space has one face and no vertices, a point one vertex, a
  * segment two, without faces. r, R: its origin and axes in the frame in which two of them meet. */
@@ -108,13 +113,14 @@ typedef struct {
     jo_real gap, normal[3], foot[3], u[2][3], dual[2][3], edge[3], across[3];
 } jo_feature;
 
-/* Gap of two polytopes, m, less both radii, normal, and how it was found: face of a or b, vertices of two edges, closest points */
+/* Gap of two polytopes, m, without their radii, normal, and how it was found: face of a or b, vertices of two edges, closest points. vertex: of a
+ * and of b, one of the closest points where they are apart */
 typedef enum { JO_CLOSEST_POINTS, JO_FACE_A, JO_FACE_B, JO_EDGES } jo_separation_kind;
-typedef struct { int kind, of[4], count[2]; double gap, normal[3]; } jo_separated;
+typedef struct { int kind, of[4], count[2], vertex[2]; double gap, normal[3]; } jo_separated;
 
 /* Corner of the area in which two faces touch: code of its features, share of a stiffness of a corner, place */
 typedef struct { double code, weight, at[3]; } jo_corner;
-enum { JO_CORNERS = 8 };    /* largest number */
+enum { JO_CORNERS = 8, JO_MOST_SLOT_STATES = 66 };    /* largest number; then the states of a slot */
 
 /* Surface of triangles in the frame of its marker. closed: it has an inside, else two sides. group: triangles of one plane; patch: triangles
  * joined by edges that are not concave. */
@@ -171,19 +177,40 @@ static inline void jo_let_touches_wait(jo_data *d, int wait) { d->contacts.waits
 /* shape_distance.c */
 void jo_shape_distance(int shape, const jo_real *size, const jo_real *x, jo_distance *y);
 
-/* contact_matrix.c */
-void jo_contact_layout(const jo_model *m, jo_data *d, jo_arena *a);
-void jo_contact_setup(const jo_model *m, jo_data *d);
-int jo_contacts_closed(const jo_model *m, const jo_data *d);   /* whether any contact acts at the start of a step */
-void jo_contact_place_in_matrix(const jo_model *m, jo_data *d, const jo_stage *stage, jo_contact_matrix *c);   /* J and G */
-void jo_contact_carry(const jo_model *m, jo_data *d);   /* u, w, S of a later stage, from dv and acc */
-void jo_contact_push(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_contact_matrix *c, const jo_real *lever);
-void jo_contact_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage);   /* s' with the accelerations of the stage */
-void jo_contact_add_to_newton(const jo_model *m, jo_data *d);   /* J^T G J */
-void jo_contact_subtract(const jo_model *m, jo_data *d, const jo_real *a);   /* J^T G J a from the right-hand side of Newton's matrix */
-enum { JO_SLOT_STATES = 2 };    /* states of a slot before those of its contact: shape that is touched + 1, tip + 1; 0: free */
 static inline jo_real *jo_slot_states(const jo_data *d, const jo_force *f) { return d->w + (d->nw - d->contact_sets.nstate) + f->state; }
 static inline int jo_has_contact_sets(const jo_data *d) { return d->contact_sets.count > 0; }
+
+/* polytope.c */
+const jo_real *jo_polytope_read(const jo_real *data, jo_polytope *p);   /* returns the end of its data */
+void jo_polytope_place(jo_polytope *p, const jo_real *r, const jo_real *R);   /* NULL: at the origin */
+
+/* feature.c */
+void jo_feature_at(const jo_polytope *A, const jo_polytope *B, const jo_real *r, const jo_real *R, jo_real code, jo_feature *y);
+void jo_feature_change(const jo_feature *y, const jo_real *r, const jo_real *x, const jo_real *phi, jo_real *gap, jo_real *normal, jo_real *foot);
+
+/* mesh.c */
+const jo_real *jo_mesh_read(const jo_real *data, jo_mesh *m, jo_real *radius);   /* returns the end of its data */
+
+/* mesh_points.c */
+/* b is placed, `radius` is the sum of both radii, `code` those of the points that touch */
+void jo_mesh_distance(const jo_mesh *m, const jo_polytope *b, double radius, jo_mesh_gap *y);
+int jo_mesh_points(const jo_mesh *m, const jo_polytope *b, double radius, const double *code, int count, double *found, int *from);
+double jo_mesh_unlisted(const jo_mesh *m, const jo_polytope *b, double radius, const double *code, int count);   /* gap of further points */
+void jo_mesh_clearance(const jo_mesh *m, const jo_polytope *b, double radius, const double *code, int count, jo_mesh_gap *y);
+void jo_mesh_point_feature(const jo_mesh *m, const jo_polytope *b, const jo_real *r, const jo_real *R, double code, jo_feature *y);
+
+/* separation.c */
+void jo_separation(const jo_polytope *a, const jo_polytope *b, const jo_separated *before, jo_separated *y);   /* before: where it was found, or NULL */
+
+/* whether two features, of this code, are still the closest ones, with their distance; else y->gap is not larger than the distance */
+int jo_still_separated(const jo_polytope *a, const jo_polytope *b, double code, const jo_real *r, const jo_real *R, jo_separated *y);
+/* code of the closest features of polytopes that are apart; 0: none */
+double jo_separation_code(const jo_separated *s);
+/* a number up to which they are apart, m, less both radii, at least: in the direction of their centres */
+double jo_separation_at_least(const jo_polytope *a, const jo_polytope *b);
+
+/* corners.c */
+int jo_corners(const jo_polytope *a, const jo_polytope *b, const jo_separated *s, jo_corner *list);   /* their number, up to JO_CORNERS */
 
 /* contact_rows.c */
 int jo_is_contact_set(const jo_force *f);
@@ -222,30 +249,16 @@ int jo_find_contacts(const jo_model *m, jo_data *d, double *length, int *jumped)
 /* at the end of a step of length h: whether no shape can have moved farther than the search has assumed */
 int jo_found_all_contacts(const jo_model *m, const jo_data *d, double h);
 
-/* polytope.c */
-const jo_real *jo_polytope_read(const jo_real *data, jo_polytope *p);   /* returns the end of its data */
-void jo_polytope_place(jo_polytope *p, const jo_real *r, const jo_real *R);   /* NULL: at the origin */
-
-/* feature.c */
-void jo_feature_at(const jo_polytope *A, const jo_polytope *B, const jo_real *r, const jo_real *R, jo_real code, jo_feature *y);
-void jo_feature_change(const jo_feature *y, const jo_real *r, const jo_real *x, const jo_real *phi, jo_real *gap, jo_real *normal, jo_real *foot);
-
-/* mesh.c */
-const jo_real *jo_mesh_read(const jo_real *data, jo_mesh *m, jo_real *radius);   /* returns the end of its data */
-
-/* mesh_points.c */
-/* b is placed, `radius` is the sum of both radii, `code` those of the points that touch */
-void jo_mesh_distance(const jo_mesh *m, const jo_polytope *b, double radius, jo_mesh_gap *y);
-int jo_mesh_points(const jo_mesh *m, const jo_polytope *b, double radius, const double *code, int count, double *found, int *from);
-double jo_mesh_unlisted(const jo_mesh *m, const jo_polytope *b, double radius, const double *code, int count);   /* gap of further points */
-void jo_mesh_clearance(const jo_mesh *m, const jo_polytope *b, double radius, const double *code, int count, jo_mesh_gap *y);
-void jo_mesh_point_feature(const jo_mesh *m, const jo_polytope *b, const jo_real *r, const jo_real *R, double code, jo_feature *y);
-
-/* separation.c */
-void jo_separation(const jo_polytope *a, const jo_polytope *b, const jo_separated *before, jo_separated *y);   /* before: where it was found, or NULL */
-
-/* corners.c */
-int jo_corners(const jo_polytope *a, const jo_polytope *b, const jo_separated *s, jo_corner *list);   /* their number, up to JO_CORNERS */
+/* contact_matrix.c */
+void jo_contact_layout(const jo_model *m, jo_data *d, jo_arena *a);
+int jo_contacts_fit(const jo_model *m, jo_data *d);   /* whether the matrix of a step has room for all contacts that act at its start */
+int jo_contacts_begin(const jo_model *m, jo_data *d);   /* start of a step: whether any contact acts, and all fit */
+void jo_contact_place_in_matrix(const jo_model *m, jo_data *d, const jo_stage *stage, jo_contact_matrix *c);   /* J and G */
+void jo_contact_carry(const jo_model *m, jo_data *d);   /* u, w, S of a later stage, from dv and acc */
+void jo_contact_push(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_contact_matrix *c, const jo_real *lever);
+void jo_contact_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage);   /* s' with the accelerations of the stage */
+void jo_contact_add_to_newton(const jo_model *m, jo_data *d);   /* J^T G J */
+void jo_contact_subtract(const jo_model *m, jo_data *d, const jo_real *a);   /* J^T G J a from the right-hand side of Newton's matrix */
 
 /* brief_touches.c */
 void jo_brief_layout(const jo_model *m, jo_data *d, jo_arena *a);

@@ -11,6 +11,8 @@ typedef struct {
     int waits;              /* whether touches that strike wait for their impulse at the end of a step of bounded work */
     int blows, struck_points;   /* whether impulses act; whether any contact is resolved by impulses */
     struct jo_struck *struck;   /* points that strike, see impulses.c */
+    int *list, closed;      /* (count) closed contacts of the present step, and their number */
+    int fit;                /* whether the matrix of the present step has room for all of them; if not, it contains none */
 } jo_contacts;
 
 /* Sets of shapes that touch. */

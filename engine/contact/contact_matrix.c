@@ -13,66 +13,79 @@
 #include "tree/tree.h"
 #include "contact/contact.h"
 
-/* number of velocities of the body of a marker */
-static int velocities(const jo_model *m, int marker)
+/* largest number of velocities of a body */
+static int most_velocities(const jo_model *m)
 {
-    const int body = m->marker[marker].body;
-    return body < 0 ? 0 : 6 + m->body[body].n;
+    int most = 0;
+    for (int i = 0; i < m->nbody; i++) most = m->body[i].n > most ? m->body[i].n : most;
+    return 6 + most;
 }
 
 void jo_contact_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
-    const int tree = jo_tree_takes_contacts(m);
     jo_contacts *w = &d->contacts;
-    w->count = jo_contact_count(m);
+    const int most = most_velocities(m);
+    w->count = 0;
+    for (int i = 0; i < m->nforce; i++) w->count += jo_contact_points(&m->force[i]);
     w->matrix = jo_take_many(a, w->count, sizeof *w->matrix);
+    w->list = jo_take_ints(a, w->count);
+    w->closed = 0;
     w->of_state = jo_take_ints(a, w->count ? m->nstate : 0);
     for (int i = 0, k = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
+        const int slot = f->type == JO_FORCE_contact_slot;
         for (int point = 0; point < jo_contact_points(f); point++, k++) {
             jo_contact_matrix spare, *c = a->base ? &w->matrix[k] : &spare;
-            const int first = velocities(m, f->a);
-            c->force = i;
-            c->first = f->state + point * (f->states / jo_contact_points(f));
-            c->J[0] = jo_take_reals(a, 3 * (tree && m->nu > first ? m->nu : first));
-            c->J[1] = jo_take_reals(a, 3 * velocities(m, f->b));
+            c->declared = i;
+            c->first = jo_contact_first(f, point);
+            c->room[0] = jo_take_reals(a, 3 * (slot ? most : jo_marker_velocities(m, f->a)));
+            c->room[1] = jo_take_reals(a, 3 * (slot ? most : jo_marker_velocities(m, f->b)));
             if (a->base) w->of_state[c->first] = k;
         }
     }
 }
 
-/* link that carries a marker; -1: ground */
-static int link_of(const jo_model *m, int marker)
+/* whether the bodies of a slot are coupled in Newton's matrix; sets of many bodies are left out of its pattern */
+static int is_coupled(const jo_model *m, jo_data *d, const jo_force *slot)
 {
-    const int body = m->marker[marker].body;
-    for (int i = 0; body >= 0 && i < m->nlink; i++)
-        if (m->link[i].body == body) return i;
-    return -1;
+    const jo_force *f = jo_bound_force(d, slot);
+    const int a = f ? m->marker[f->a].body : -1, b = f ? m->marker[f->b].body : -1;
+    return m->nnode && (a < 0 || b < 0 || jo_newton_couples(m, a, b));
 }
 
-void jo_contact_setup(const jo_model *m, jo_data *d)
+/* number of contacts that act at the start of a step; -1: the matrix has no room for one of them */
+static int count_acting(const jo_model *m, jo_data *d)
 {
+    const int tree = jo_tree_active(d);
+    int acting = 0;
     for (int i = 0; i < d->contacts.count; i++) {
-        jo_contact_matrix *c = &d->contacts.matrix[i];
-        c->link[0] = link_of(m, m->force[c->force].a);
-        c->link[1] = link_of(m, m->force[c->force].b);
+        const jo_contact_matrix *c = &d->contacts.matrix[i];
+        const jo_force *f = &m->force[c->declared];
+        if (JO_RE(jo_states(m, d)[c->first]) == 0.0) continue;   /* phase */
+        if (!tree && f->type == JO_FORCE_contact_slot && !is_coupled(m, d, f)) return -1;
+        acting++;
     }
+    return tree && acting > JO_TREE_CLOSED ? -1 : acting;
 }
 
-int jo_contacts_closed(const jo_model *m, const jo_data *d)
+int jo_contacts_fit(const jo_model *m, jo_data *d) { return count_acting(m, d) >= 0; }
+
+int jo_contacts_begin(const jo_model *m, jo_data *d)
 {
-    for (int i = 0; i < d->contacts.count; i++)
-        if (JO_RE(jo_states(m, d)[d->contacts.matrix[i].first]) != 0.0) return 1;   /* phase */
-    return 0;
+    for (int i = 0; i < d->contacts.closed; i++) jo_closed_contact(d, i)->closed = 0;
+    d->contacts.closed = 0;
+    const int acting = count_acting(m, d);
+    d->contacts.fit = acting >= 0;
+    return acting > 0;
 }
 
 /* J of one side in maximal coordinates: sign A_a^T (L_r - arm~ L_phi), arm: contact point from the marker */
 static void side_jacobian(const jo_model *m, jo_data *d, jo_contact_matrix *c, int side, int marker)
 {
     static const jo_stage derivatives = {.weights = {1.0, 1.0, 0.0, 1.0, 0, 1}};
-    const int body = m->marker[marker].body, n = c->count[side] = velocities(m, marker);
+    const int body = m->marker[marker].body, n = c->count[side] = jo_marker_velocities(m, marker);
     if (body < 0) return;
-    const jo_real *A = d->marker[m->force[c->force].a].A;
+    const jo_real *A = d->marker[c->force->a].A;
     jo_real arm[3];
     c->at[side] = m->body[body].iv;
     jo_newton_marker(m, d, &derivatives, marker);
@@ -92,23 +105,24 @@ static void side_jacobian(const jo_model *m, jo_data *d, jo_contact_matrix *c, i
 
 void jo_contact_place_in_matrix(const jo_model *m, jo_data *d, const jo_stage *stage, jo_contact_matrix *c)
 {
-    const jo_force *f = &m->force[c->force];
     const double gh = stage->gh;
+    d->contacts.list[d->contacts.closed++] = (int)(c - d->contacts.matrix);
     for (int i = 0; i < 9; i++) c->G[i] = gh * (c->D[i] + gh * (c->K[i] + c->B[i]));
     if (jo_tree_active(d)) {
         jo_tree_contact_jacobian(m, d, c);
         return;
     }
-    side_jacobian(m, d, c, 0, f->a);
-    side_jacobian(m, d, c, 1, f->b);
+    for (int s = 0; s < 2; s++) {
+        c->J[s] = c->room[s];
+        side_jacobian(m, d, c, s, s ? c->force->b : c->force->a);
+    }
 }
 
 void jo_contact_carry(const jo_model *m, jo_data *d)
 {
     const jo_real *S = d->acc + d->nw - m->nstate;   /* minus the sum of the earlier stages */
-    for (int k = 0; k < d->contacts.count; k++) {
-        jo_contact_matrix *c = &d->contacts.matrix[k];
-        if (!c->closed) continue;
+    for (int k = 0; k < d->contacts.closed; k++) {
+        jo_contact_matrix *c = jo_closed_contact(d, k);
         jo_contact_velocity(c, d->dv, c->u);
         jo_contact_velocity(c, d->acc, c->w);
         for (int i = 0; i < 3; i++) c->S[i] = -S[c->state + i];
@@ -129,14 +143,14 @@ void jo_contact_push(const jo_model *m, jo_data *d, const jo_stage *stage, const
     jo_add3(F, x);
     for (int i = 0; i < 3; i++) F[i] *= gh;
     jo_cross(F + 3, lever, F);
-    jo_push_between(m, d, &m->force[c->force], F, &unused);
+    jo_push_between(m, d, c->force, F, &unused);
 }
 
 void jo_contact_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    for (int k = 0; k < d->contacts.count; k++) {
-        const jo_contact_matrix *c = &d->contacts.matrix[k];
-        if (!c->closed || !c->follows) continue;
+    for (int k = 0; k < d->contacts.closed; k++) {
+        const jo_contact_matrix *c = jo_closed_contact(d, k);
+        if (!c->follows) continue;
         jo_real *rate = jo_state_rates(m, d) + c->state, v[3];
         jo_contact_velocity(c, d->wd, v);
         jo_sub3(v, c->w);
@@ -148,8 +162,7 @@ void jo_contact_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage
 /* body of a side */
 static int body_of(const jo_model *m, const jo_contact_matrix *c, int side)
 {
-    const jo_force *f = &m->force[c->force];
-    return m->marker[side ? f->b : f->a].body;
+    return m->marker[side ? c->force->b : c->force->a].body;
 }
 
 /* y (3 x n) = G J of a side */
@@ -162,9 +175,8 @@ static jo_real scaled(const jo_contact_matrix *c, int side, int i, int j)
 
 void jo_contact_add_to_newton(const jo_model *m, jo_data *d)
 {
-    for (int k = 0; k < d->contacts.count; k++) {
-        const jo_contact_matrix *c = &d->contacts.matrix[k];
-        if (!c->closed) continue;
+    for (int k = 0; k < d->contacts.closed; k++) {
+        const jo_contact_matrix *c = jo_closed_contact(d, k);
         for (int s = 0; s < 2; s++)
             for (int t = 0; t < 2; t++) {
                 if (!c->count[s] || !c->count[t]) continue;
@@ -181,10 +193,9 @@ void jo_contact_add_to_newton(const jo_model *m, jo_data *d)
 
 void jo_contact_subtract(const jo_model *m, jo_data *d, const jo_real *a)
 {
-    for (int k = 0; k < d->contacts.count; k++) {
-        const jo_contact_matrix *c = &d->contacts.matrix[k];
+    for (int k = 0; k < d->contacts.closed; k++) {
+        const jo_contact_matrix *c = jo_closed_contact(d, k);
         jo_real y[3], F[3];
-        if (!c->closed) continue;
         jo_contact_velocity(c, a, y);
         jo_mul3(F, c->G, y);
         for (int s = 0; s < 2; s++) {

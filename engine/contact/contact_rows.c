@@ -13,7 +13,8 @@ jo_contact_rows jo_contact_rows_of(const jo_force *set)
     y.surfaces = (int)JO_RE(n->surfaces);
     y.groups = (int)JO_RE(n->groups);
     y.excluded = (int)JO_RE(n->excluded);
-    y.slots = (int)JO_RE(n->slots);
+    y.slots[0] = (int)JO_RE(n->slots);
+    y.slots[1] = (int)JO_RE(n->pairs);
     y.resolve = (int)JO_RE(n->resolve);
     y.shape = (const jo_shape_row *)at;
     y.tip = (const jo_tip_row *)(y.shape + y.shapes);
@@ -21,6 +22,7 @@ jo_contact_rows jo_contact_rows_of(const jo_force *set)
     y.touching = (const jo_real *)(y.law + y.surfaces * y.surfaces);
     y.meets = y.touching + JO_SHAPE_TYPES * JO_SHAPE_TYPES;
     y.apart = y.meets + y.groups * y.groups;
+    y.polytope = y.apart + y.excluded;
     return y;
 }
 
@@ -32,22 +34,12 @@ int jo_shape_marker(const jo_force *set, int shape)
     return shape < y.shapes ? (int)JO_RE(y.shape[shape].marker) : -1;
 }
 
-/* numbers of the contact of a tip on a shape */
-static void bind(const jo_contact_rows *y, const jo_force *f, jo_bound *b)
+/* numbers of the law between two shapes */
+static void bind_law(const jo_contact_rows *y, const jo_shape_row *on, const jo_shape_row *of, int second, jo_contact_data *x)
 {
-    const jo_tip_row *tip = &y->tip[b->tip];
-    const jo_shape_row *on = &y->shape[b->on], *of = &y->shape[(int)JO_RE(tip->shape)];
     const jo_law_row *law = &y->law[(int)JO_RE(on->surface) * y->surfaces + (int)JO_RE(of->surface)];
-    jo_contact_data *x = &b->data;
-    const jo_real curvature = on->curvature[0] + of->curvature[1], mobility = on->mobility[0] + of->mobility[1];
-    x->shape = on->type;
-    x->radius = tip->radius;
-    x->ring = tip->ring;
-    x->around = tip->around;
-    for (int i = 0; i < 3; i++) {
-        x->size[i] = on->size[i];
-        x->centre[i] = tip->centre[i];
-    }
+    const jo_real curvature = on->curvature[second ? 0 : 1] + of->curvature[1];
+    const jo_real mobility = on->mobility[0] + of->mobility[second];
     x->stiffness = JO_RE(law->hertz) > 0.0 ? law->stiffness / jo_sqrt(curvature) : law->stiffness;
     x->exponent = law->exponent;
     x->damping = law->damping;
@@ -61,13 +53,35 @@ static void bind(const jo_contact_rows *y, const jo_force *f, jo_bound *b)
     x->duration = law->span * pow(JO_RE(x->mass / x->stiffness), 1.0 / (JO_RE(law->exponent) + 1.0));
     x->resolve = jo_same(y->resolve);
     x->restitution = law->restitution;
+}
+
+/* numbers of the contact of a tip on a shape, or of two polytopes */
+static void bind(const jo_contact_rows *y, const jo_force *f, jo_bound *b)
+{
+    const int pair = b->tip >= y->tips;
+    const jo_tip_row *tip = &y->tip[pair ? 0 : b->tip];
+    const jo_shape_row *on = &y->shape[b->on], *of = &y->shape[pair ? b->tip - y->tips : (int)JO_RE(tip->shape)];
+    jo_contact_data *x = &b->data;
+    bind_law(y, on, of, !pair, x);
+    x->shape = on->type;
+    for (int i = 0; i < 3; i++) x->size[i] = on->size[i];
     b->force = *f;
-    b->force.type = JO_FORCE_contact;
+    b->force.type = pair ? JO_FORCE_contact_pair : JO_FORCE_contact;
     b->force.a = (int)JO_RE(on->marker);
     b->force.b = (int)JO_RE(of->marker);
     b->force.state = f->state + JO_SLOT_STATES;
     b->force.states = f->states - JO_SLOT_STATES;
     b->force.data = (const jo_real *)x;
+    if (pair) {
+        b->polytope[0] = y->polytope + (int)JO_RE(on->polytope);
+        b->polytope[1] = y->polytope + (int)JO_RE(of->polytope);
+        b->force.user = b->polytope;
+        return;
+    }
+    x->radius = tip->radius;
+    x->ring = tip->ring;
+    x->around = tip->around;
+    for (int i = 0; i < 3; i++) x->centre[i] = tip->centre[i];
 }
 
 const jo_force *jo_bound_force(const jo_data *d, const jo_force *f)
@@ -94,7 +108,7 @@ double jo_slot_pressure(const jo_data *d, const jo_force *slot, double N)
     const jo_contact_slot_data *n = (const jo_contact_slot_data *)slot->data;
     const jo_contact_rows y = jo_contact_rows_of(slot - ((int)JO_RE(n->number) - (int)JO_RE(n->set)));
     const int on = (int)JO_RE(state[0]) - 1, tip = (int)JO_RE(state[1]) - 1;
-    if (on < 0) return 0.0;
+    if (on < 0 || tip >= y.tips) return 0.0;   /* faces of polytopes have no curvature */
     const jo_shape_row *a = &y.shape[on], *b = &y.shape[(int)JO_RE(y.tip[tip].shape)];
     const jo_law_row *law = &y.law[(int)JO_RE(a->surface) * y.surfaces + (int)JO_RE(b->surface)];
     if (!(JO_RE(law->hertz) > 0.0)) return 0.0;
@@ -109,7 +123,7 @@ void jo_slot_shapes(const jo_data *d, const jo_force *slot, int *shapes)
     const jo_contact_rows y = jo_contact_rows_of(slot - ((int)JO_RE(n->number) - (int)JO_RE(n->set)));
     const int tip = (int)JO_RE(state[1]) - 1;
     shapes[0] = (int)JO_RE(state[0]) - 1;
-    shapes[1] = tip < 0 ? -1 : (int)JO_RE(y.tip[tip].shape);
+    shapes[1] = tip < 0 ? -1 : tip < y.tips ? (int)JO_RE(y.tip[tip].shape) : tip - y.tips;
 }
 
 double jo_shape_gap(const jo_contact_rows *y, const jo_data *d, int on, const jo_real *place)
@@ -140,6 +154,27 @@ double jo_tip_gap(const jo_contact_rows *y, const jo_data *d, int on, int tip)
     return jo_shape_gap(y, d, on, place) - JO_RE(t->radius + t->ring * sine);
 }
 
+double jo_polytope_gap(const jo_contact_rows *y, const jo_data *d, int on, int of, double most)
+{
+    const jo_marker_work *a = &d->marker[(int)JO_RE(y->shape[on].marker)], *b = &d->marker[(int)JO_RE(y->shape[of].marker)];
+    jo_polytope p, q;
+    jo_separated s;
+    jo_real x[3], r[3], R[9];
+    jo_set3(x, b->r);
+    jo_sub3(x, a->r);
+    jo_mul3t(r, a->A, x);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) R[3 * i + j] = a->A[i] * b->A[j] + a->A[3 + i] * b->A[3 + j] + a->A[6 + i] * b->A[6 + j];
+    jo_polytope_read(y->polytope + (int)JO_RE(y->shape[on].polytope), &p);
+    jo_polytope_read(y->polytope + (int)JO_RE(y->shape[of].polytope), &q);
+    jo_polytope_place(&p, 0, 0);
+    jo_polytope_place(&q, r, R);
+    const double radii = JO_RE(p.radius + q.radius), apart = jo_separation_at_least(&p, &q) - radii;
+    if (apart > most) return apart;
+    jo_separation(&p, &q, 0, &s);
+    return s.gap - radii;
+}
+
 /* smallest power of 2 from n on */
 static int power_of_two(int n)
 {
@@ -164,8 +199,8 @@ void jo_contact_sets_layout(const jo_model *m, jo_data *d, jo_arena *a)
         s->heads = power_of_two(2 * y.shapes);
         s->head = jo_take_ints(a, s->heads);
         s->wide = jo_take_ints(a, y.shapes);
-        s->near = jo_take_many(a, y.slots, sizeof *s->near);
-        s->places = power_of_two(2 * y.slots);
+        s->near = jo_take_many(a, jo_slots(&y), sizeof *s->near);
+        s->places = power_of_two(2 * jo_slots(&y));
         s->place = jo_take_ints(a, s->places);
         k++;
     }

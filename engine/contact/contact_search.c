@@ -120,14 +120,67 @@ static double closing(const jo_swept *on, const jo_swept *of)
     return on->shift + on->turn * lever + of->shift + of->turn * of->reach;
 }
 
-static void add_near(jo_contact_search *s, int on, int tip, int slots)
+/* slot forces follow the set */
+static const jo_force *slot_force(const scan *c, int slot) { return &c->m->force[c->s->set + 1 + slot]; }
+static jo_real *states_of(const scan *c, int slot) { return jo_slot_states(c->d, slot_force(c, slot)); }
+static int on_of(const jo_real *state) { return (int)JO_RE(state[0]) - 1; }
+static int tip_of(const jo_real *state) { return (int)JO_RE(state[1]) - 1; }
+static int is_pair(const scan *c, int tip) { return tip >= c->rows.tips; }
+
+/* whether a point of a slot is in another phase than apart: the first of its own states */
+static int touches(const scan *c, int slot)
 {
-    if (s->nnear == slots) {
+    const jo_force *f = slot_force(c, slot);
+    const jo_real *state = states_of(c, slot) + JO_SLOT_STATES;
+    for (int i = 0; i < jo_contact_points(f); i++)
+        if (JO_RE(state[JO_PAIR_STATES * i]) != 0.0) return 1;
+    return 0;
+}
+
+/* slots by the hash of their pairs */
+static void hash_slots(const scan *c)
+{
+    jo_contact_search *s = c->s;
+    for (int i = 0; i < s->places; i++) s->place[i] = -1;
+    for (int k = 0; k < jo_slots(&c->rows); k++) {
+        const jo_real *state = states_of(c, k);
+        if (on_of(state) < 0) continue;
+        unsigned at = hash2(on_of(state), tip_of(state));
+        while (s->place[at & (unsigned)(s->places - 1)] >= 0) at++;
+        s->place[at & (unsigned)(s->places - 1)] = k;
+    }
+}
+
+/* slot of a pair; -1: none */
+static int slot_of(const scan *c, int on, int tip)
+{
+    unsigned at = hash2(on, tip);
+    for (int k; (k = c->s->place[at & (unsigned)(c->s->places - 1)]) >= 0; at++) {
+        const jo_real *state = states_of(c, k);
+        if (on_of(state) == on && tip_of(state) == tip) return k;
+    }
+    return -1;
+}
+
+static void add_near(const scan *c, int on, int tip, int slot)
+{
+    jo_contact_search *s = c->s;
+    const int kind = is_pair(c, tip);
+    if (s->nnear[kind] == c->rows.slots[kind]) {
         s->full = 1;
         return;
     }
-    const jo_near found = {on, tip, -1};
-    s->near[s->nnear++] = found;
+    const jo_near found = {on, tip, slot};
+    s->near[s->nnear[0] + s->nnear[1]] = found;
+    s->nnear[kind]++;
+}
+
+/* polytopes that may touch: always those that do */
+static void compare_polytopes(const scan *c, int on, int of)
+{
+    const int tip = c->rows.tips + of, slot = slot_of(c, on, tip);
+    const double most = closing(&c->s->swept[on], &c->s->swept[of]);
+    if ((slot >= 0 && touches(c, slot)) || jo_polytope_gap(&c->rows, c->d, on, of, most) <= most) add_near(c, on, tip, slot);
 }
 
 /* tips of a shape that may touch another one */
@@ -140,7 +193,7 @@ static void compare_tips(const scan *c, int on, int of)
     if (jo_shape_gap(&c->rows, c->d, on, w->r) - b->reach > most) return;
     const int first = (int)JO_RE(k->first), end = first + (int)JO_RE(k->tips);
     for (int t = first; t < end; t++)
-        if (jo_tip_gap(&c->rows, c->d, on, t) <= most) add_near(c->s, on, t, c->rows.slots);
+        if (jo_tip_gap(&c->rows, c->d, on, t) <= most) add_near(c, on, t, slot_of(c, on, t));
 }
 
 static void compare(const scan *c, int i, int j)
@@ -156,9 +209,12 @@ static void compare(const scan *c, int i, int j)
     }
     if (!(JO_RE(y->meets[(int)JO_RE(a->group) * y->groups + (int)JO_RE(b->group)]) > 0.0) || is_apart(y, i, j)) return;
     const int touching = (int)JO_RE(y->touching[(int)JO_RE(a->type) * JO_SHAPE_TYPES + (int)JO_RE(b->type)]);
-    /* between shapes of one type that of the lower number is touched, in whatever order they are met */
-    const int swaps = touching == 2 || (touching == 1 && JO_RE(a->type) == JO_RE(b->type) && i > j);
-    if (touching) compare_tips(c, swaps ? j : i, swaps ? i : j);
+    /* that of the lower number is touched where both could be, in whatever order they are met; a half-space always */
+    const int alike = touching == 3 || (touching == 1 && JO_RE(a->type) == JO_RE(b->type));
+    const int below = touching == 3 && JO_RE(a->type) == JO_SHAPE_HALF_SPACE, above = touching == 3 && JO_RE(b->type) == JO_SHAPE_HALF_SPACE;
+    const int swaps = touching == 2 || above || (alike && !below && i > j);
+    if (touching == 3) compare_polytopes(c, swaps ? j : i, swaps ? i : j);
+    else if (touching) compare_tips(c, swaps ? j : i, swaps ? i : j);
 }
 
 /* all pairs of the shapes in one cell and in a neighbour */
@@ -177,7 +233,7 @@ static void find_near(const scan *c)
     static const int NEIGHBOUR[JO_NEIGHBOURS][3] = {{1, 0, 0}, {-1, 1, 0}, {0, 1, 0}, {1, 1, 0}, {-1, -1, 1}, {0, -1, 1}, {1, -1, 1},
                                                      {-1, 0, 1}, {0, 0, 1}, {1, 0, 1}, {-1, 1, 1}, {0, 1, 1}, {1, 1, 1}};
     jo_contact_search *s = c->s;
-    s->nnear = s->full = 0;
+    s->nnear[0] = s->nnear[1] = s->full = 0;
     for (int i = 0; i < c->rows.shapes && !s->full; i++) {
         const jo_swept *y = &s->swept[i];
         if (y->next == -2) continue;
@@ -194,40 +250,16 @@ static void find_near(const scan *c)
         }
 }
 
-/* slot forces follow the set */
-static const jo_force *slot_force(const scan *c, int slot) { return &c->m->force[c->s->set + 1 + slot]; }
-static int on_of(const jo_real *state) { return (int)JO_RE(state[0]) - 1; }
-static int tip_of(const jo_real *state) { return (int)JO_RE(state[1]) - 1; }
-
-/* whether the contact of a slot is in another phase than apart: the first of its own states */
-static int touches(const jo_real *state) { return JO_RE(state[JO_SLOT_STATES]) != 0.0; }
-
-/* the slots of the near pairs; returns how many slots are needed, with those that touch although they are not near */
-static int match_slots(const scan *c)
+/* whether the slots suffice for the near pairs, and for those that touch although they are not near */
+static int suffice(const scan *c)
 {
     jo_contact_search *s = c->s;
-    int needed = s->nnear;
-    for (int i = 0; i < s->places; i++) s->place[i] = -1;
-    for (int k = 0; k < c->rows.slots; k++) {
-        const jo_real *state = jo_slot_states(c->d, slot_force(c, k));
-        if (on_of(state) < 0) continue;
-        needed += touches(state);
-        unsigned at = hash2(on_of(state), tip_of(state));
-        while (s->place[at & (unsigned)(s->places - 1)] >= 0) at++;
-        s->place[at & (unsigned)(s->places - 1)] = k;
-    }
-    for (int i = 0; i < s->nnear; i++) {
-        jo_near *x = &s->near[i];
-        unsigned at = hash2(x->on, x->tip);
-        for (int k; (k = s->place[at & (unsigned)(s->places - 1)]) >= 0; at++) {
-            const jo_real *state = jo_slot_states(c->d, slot_force(c, k));
-            if (on_of(state) != x->on || tip_of(state) != x->tip) continue;
-            x->slot = k;
-            needed -= touches(state);
-            break;
-        }
-    }
-    return needed;
+    int needed[2] = {s->nnear[0], s->nnear[1]};
+    for (int k = 0; k < jo_slots(&c->rows); k++)
+        if (on_of(states_of(c, k)) >= 0) needed[k >= c->rows.slots[0]] += touches(c, k);
+    for (int i = 0; i < s->nnear[0] + s->nnear[1]; i++)
+        if (s->near[i].slot >= 0) needed[is_pair(c, s->near[i].tip)] -= touches(c, s->near[i].slot);
+    return !s->full && needed[0] <= c->rows.slots[0] && needed[1] <= c->rows.slots[1];
 }
 
 /* free the slots of pairs that are apart and not near */
@@ -235,12 +267,12 @@ static void release_slots(const scan *c)
 {
     jo_contact_search *s = c->s;
     for (int i = 0; i < s->places; i++) s->place[i] = 0;   /* here: whether a slot is near */
-    for (int i = 0; i < s->nnear; i++)
+    for (int i = 0; i < s->nnear[0] + s->nnear[1]; i++)
         if (s->near[i].slot >= 0) s->place[s->near[i].slot] = 1;
-    for (int k = 0; k < c->rows.slots; k++) {
+    for (int k = 0; k < jo_slots(&c->rows); k++) {
         const jo_force *f = slot_force(c, k);
-        jo_real *state = jo_slot_states(c->d, f);
-        if (s->place[k] || on_of(state) < 0 || touches(state)) continue;
+        jo_real *state = states_of(c, k);
+        if (s->place[k] || on_of(state) < 0 || touches(c, k)) continue;
         for (int i = 0; i < f->states; i++) state[i] = jo_same(0.0);
     }
 }
@@ -248,16 +280,17 @@ static void release_slots(const scan *c)
 /* bind near pairs without a slot to free ones; returns whether one of them overlaps */
 static int bind_slots(const scan *c)
 {
-    int k = 0, overlaps = 0;
-    for (int i = 0; i < c->s->nnear; i++) {
+    int free[2] = {0, c->rows.slots[0]}, overlaps = 0;
+    for (int i = 0; i < c->s->nnear[0] + c->s->nnear[1]; i++) {
         const jo_near *x = &c->s->near[i];
+        int *k = &free[is_pair(c, x->tip)];
         if (x->slot >= 0) continue;
-        while (on_of(jo_slot_states(c->d, slot_force(c, k))) >= 0) k++;
-        jo_real *state = jo_slot_states(c->d, slot_force(c, k));
+        while (on_of(states_of(c, *k)) >= 0) (*k)++;
+        jo_real *state = states_of(c, *k);
         state[0] = jo_same(x->on + 1);
         state[1] = jo_same(x->tip + 1);
-        jo_force_contact.start(c->m, c->d, jo_bound_force(c->d, slot_force(c, k)), state + JO_SLOT_STATES);
-        overlaps |= touches(state);
+        jo_start_slot(c->m, c->d, slot_force(c, *k), state);
+        overlaps |= touches(c, *k);
     }
     return overlaps;
 }
@@ -266,11 +299,12 @@ static int bind_slots(const scan *c)
 static int search_set(const scan *c, double *length)
 {
     double share = 1.0;
+    hash_slots(c);
     for (int k = 0; k < JO_MOST_HALVINGS; k++, *length *= 0.5, share *= 0.5) {
         sweep(c, *length, share);
         fill_grid(c);
         find_near(c);
-        if (!c->s->full && match_slots(c) <= c->rows.slots) return JO_OK;
+        if (suffice(c)) return JO_OK;
     }
     c->d->error_index = c->s->set;
     return JO_TOO_MANY_CONTACTS;

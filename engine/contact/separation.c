@@ -10,6 +10,7 @@ static const double smaller[JO_SMALLER] = {0.98, 0.9, 0.6, 0.2, 0.0};   /* scale
 #define JO_APART 1e-10        /* distance over size from which on the closest points are well defined */
 #define JO_SAME_AXIS 1e-9     /* difference of distances over size up to which a face of a is taken rather than one of b */
 #define JO_SAME_NORMAL 0.995  /* cosine of the angle up to which a face is taken rather than two edges: these are then corners of its area */
+#define JO_SAME_GAP 1e-13     /* difference of distances over the distance that is round-off */
 #define JO_PARALLEL 1e-12     /* square of the sine of the angle of two edges that are parallel */
 
 static double size_of(const jo_polytope *p)
@@ -130,6 +131,8 @@ static void overlap(search *t, double size, const jo_simplex *s)
     const int same = y->gap > -INFINITY && jo_dot3d(y->normal, other.normal) > JO_SAME_NORMAL;
     y->gap = other.gap;
     if (other.kind == JO_EDGES && !same) *y = other;
+    y->vertex[0] = t->va;
+    y->vertex[1] = t->vb;
 }
 
 /* from the closest points of the largest smaller copies that are apart */
@@ -171,6 +174,8 @@ static void above(const jo_polytope *a, const jo_polytope *b, jo_separated *y)
     y->gap = jo_dot3d(y->normal, q) - offset;
     y->kind = JO_FACE_A;
     y->of[0] = 0;
+    y->vertex[0] = 0;
+    y->vertex[1] = jo_polytope_support(b, back, 0);
 }
 
 /* the face of p whose normal is n, or -1 */
@@ -203,6 +208,7 @@ void jo_separation(const jo_polytope *a, const jo_polytope *b, const jo_separate
     jo_simplex s;
     y->kind = JO_CLOSEST_POINTS;
     for (int i = 0; i < 4; i++) y->of[i] = 0;
+    for (int i = 0; i < 2; i++) y->count[i] = y->vertex[i] = 0;
     if (!a->vertices) {
         above(a, b, y);
         return;
@@ -215,6 +221,8 @@ void jo_separation(const jo_polytope *a, const jo_polytope *b, const jo_separate
         overlap_anywhere(a, b, size, y);
         return;
     }
+    y->vertex[0] = s.a[0];
+    y->vertex[1] = s.b[0];
     for (int i = 0; i < 3; i++) y->normal[i] = s.v[i];
     if (!(jo_unit3d(y->normal) > 0.0)) y->normal[2] = 1.0;
     const int face_a = face_along(a, y->normal, 1.0), face_b = face_along(b, y->normal, -1.0);
@@ -228,6 +236,70 @@ void jo_separation(const jo_polytope *a, const jo_polytope *b, const jo_separate
         y->count[0] = differing(s.a, s.count, y->of);
         y->count[1] = differing(s.b, s.count, y->of + 2);
     }
+}
+
+/* vertex from which a support is looked for: one of a feature of dimension up to 1, or a corner of a face */
+static int vertex_of(const jo_polytope *p, int dimension, int of)
+{
+    return dimension < 2 ? of : p->vertices ? jo_polytope_corner(p, of, 0) : 0;
+}
+
+int jo_still_separated(const jo_polytope *a, const jo_polytope *b, double code, const jo_real *r, const jo_real *R, jo_separated *y)
+{
+    const jo_feature_pair f = jo_feature_of(code);
+    jo_feature g;
+    double p[3], q[3], back[3];
+    jo_feature_at(a, b, r, R, jo_same(code), &g);
+    const double gap = JO_RE(g.gap);
+    if (!(gap > 0.0 && gap < INFINITY)) return 0;
+    for (int i = 0; i < 3; i++) back[i] = -(y->normal[i] = JO_RE(g.normal[i]));
+    y->kind = f.kind == JO_FACE_VERTEX ? JO_FACE_A : f.kind == JO_VERTEX_FACE ? JO_FACE_B : JO_CLOSEST_POINTS;
+    for (int i = 0; i < 2; i++) {
+        y->of[i] = f.a[i];
+        y->of[2 + i] = f.b[i];
+    }
+    if (y->kind == JO_FACE_B) y->of[0] = f.b[0];
+    y->count[0] = 1 + f.kind / 3;
+    y->count[1] = 1 + f.kind % 3;
+    y->vertex[0] = a->vertices ? jo_polytope_support(a, y->normal, vertex_of(a, f.kind / 3, f.a[0])) : 0;
+    y->vertex[1] = jo_polytope_support(b, back, vertex_of(b, f.kind % 3, f.b[0]));
+    if (a->vertices) jo_polytope_vertex(a, y->vertex[0], p);
+    else for (int i = 0; i < 3; i++) p[i] = 0.0;   /* a half-space: its plane z = 0 */
+    jo_polytope_vertex(b, y->vertex[1], q);
+    jo_minus3d(q, q, p);
+    y->gap = jo_dot3d(y->normal, q);
+    return y->gap >= gap - JO_SAME_GAP * gap;
+}
+
+double jo_separation_code(const jo_separated *s)
+{
+    jo_feature_pair f = {3 * (s->count[0] > 1) + (s->count[1] > 1), {s->of[0], s->of[1]}, {s->of[2], s->of[3]}};
+    if (s->kind == JO_CLOSEST_POINTS) return s->count[0] > 2 || s->count[1] > 2 ? 0.0 : jo_feature_code(&f);
+    const int of_b = s->kind == JO_FACE_B;
+    const jo_feature_pair face = {of_b ? JO_VERTEX_FACE : JO_FACE_VERTEX, {s->vertex[0], 0}, {s->vertex[1], 0}};
+    if (s->kind == JO_EDGES) return 0.0;
+    f = face;
+    (of_b ? f.b : f.a)[0] = s->of[0];
+    return jo_feature_code(&f);
+}
+
+double jo_separation_at_least(const jo_polytope *a, const jo_polytope *b)
+{
+    double n[3], p[3], q[3];
+    if (!a->vertices) {
+        jo_separated y;
+        above(a, b, &y);
+        return y.gap;
+    }
+    jo_polytope_vertex(a, -1, p);
+    jo_polytope_vertex(b, -1, q);
+    jo_minus3d(n, q, p);
+    if (!(jo_unit3d(n) > 0.0)) return -INFINITY;
+    const double back[3] = {-n[0], -n[1], -n[2]};
+    jo_polytope_vertex(a, jo_polytope_support(a, n, 0), p);
+    jo_polytope_vertex(b, jo_polytope_support(b, back, 0), q);
+    jo_minus3d(p, q, p);
+    return jo_dot3d(n, p);
 }
 
 /* the same for a surface of triangles in place of a */

@@ -27,8 +27,9 @@ void jo_contact_implicit(const jo_model *m, jo_data *d, const jo_stage *stage, c
     const int phase = jo_contact_phase(jo_states(m, d) + state);
     jo_contact_matrix *c = jo_contact_in_matrix(d, state);
     if (!stage->earlier) {
-        c->closed = phase != JO_CONTACT_APART && JO_RE(y->depth) > 0.0;
+        c->closed = jo_matrix_takes_contacts(d) && phase != JO_CONTACT_APART && JO_RE(y->depth) > 0.0;
         if (!c->closed) return;
+        c->force = f;
         c->state = state + JO_CONTACT_STRETCH;
         c->follows = jo_contact_follows(phase) && JO_RE(x->shear) > 0.0;
         differentiate(x, phase, y, moves, c);

@@ -20,8 +20,8 @@ typedef struct jo_approach { double gap, rate, v[3], curvature, clear; int face,
 enum { JO_MAX_TOUCHES = 8 };    /* points of a force */
 enum { JO_TOUCH_SUMS = 3 };     /* sums over points: energies of normal forces and of bristles, J; normal forces, N */
 
-/* forces that a method treats as an explicit one: none; all; those of slots of contacts, which are not in the matrix of ROS2 */
-enum { JO_EXPLICIT_NONE = 0, JO_EXPLICIT_ALL = 1, JO_EXPLICIT_SLOTS = 2 };
+/* forces that a method treats as an explicit one: none; all; those that are never in the matrix of ROS2 */
+enum { JO_EXPLICIT_NONE = 0, JO_EXPLICIT_ALL = 1, JO_EXPLICIT_OUTSIDE = 2 };
 
 /* smallest and largest components of the velocity of an open gap in the stages of a step, see jo_see_speed */
 static inline double *jo_seen_speeds(const jo_data *d, int first) { return d->forces.seen + first; }
@@ -65,6 +65,9 @@ JO_FORCES(JO_FORCE_DECLARED)
 
 /* number of the k-th force that yields */
 static inline int jo_yielding_force(const jo_data *d, int k) { return d->forces.yielding[k]; }
+
+/* force_contact_slot.c: states of a slot that has got a pair */
+void jo_start_slot(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *state);
 
 /* force_states.c */
 int jo_condenses(const jo_stage *stage);   /* whether an implicit stage solves for the states within the forces */

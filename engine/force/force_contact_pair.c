@@ -11,7 +11,7 @@
  * triangle of the last step; the other points that may close are in the margin, and in the gap that is proven.
  *
  * Data: numbers of the law, then those of both polytopes (jo_polytope_read, jo_mesh_read). States of a point: those of contact_point.h, code of
- * the features (0: none), weight. */
+ * the features (0: none; of the first point, where polytopes are apart: less than 0, that of the closest ones), weight. */
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "contact/contact.h"
@@ -36,9 +36,11 @@ static int any_listed(const jo_force *f, const jo_real *state)
 
 static void read(const jo_data *d, const jo_force *f, pair *p)
 {
-    const jo_real *data = (const jo_real *)(jo_contact_law_of(f) + 1);
+    const jo_real *const *bound = (const jo_real *const *)f->user;   /* of a slot */
+    const jo_real *data = bound ? bound[0] : (const jo_real *)(jo_contact_law_of(f) + 1);
     p->mesh.triangles = 0;
-    jo_polytope_read(jo_is_mesh(data) ? jo_mesh_read(data, &p->mesh, &p->a.radius) : jo_polytope_read(data, &p->a), &p->b);
+    data = jo_is_mesh(data) ? jo_mesh_read(data, &p->mesh, &p->a.radius) : jo_polytope_read(data, &p->a);
+    jo_polytope_read(bound ? bound[1] : data, &p->b);
     jo_relative_pose(d, f, p->r, p->R);
     for (int i = 0; i < 3; i++) p->v[i] = p->w[i] = jo_same(0.0);
 }
@@ -49,8 +51,8 @@ static void read_motion(const jo_model *m, const jo_data *d, const jo_force *f, 
     jo_relative_velocity(m, d, f, p->v, p->w);
 }
 
-/* signed distance, m */
-static double separate(pair *p, const jo_separated *before, jo_separated *s)
+/* signed distance, m, from the face `before` if it is given */
+static double separate_from(pair *p, const jo_separated *before, jo_separated *s)
 {
     jo_polytope_place(&p->b, p->r, p->R);
     if (p->mesh.triangles) {
@@ -61,6 +63,16 @@ static double separate(pair *p, const jo_separated *before, jo_separated *s)
     jo_polytope_place(&p->a, 0, 0);
     jo_separation(&p->a, &p->b, before, s);
     return s->gap - jo_pair_radii(p);
+}
+
+/* signed distance, m, with the features of the last step first */
+static double separate(pair *p, const jo_real *state, jo_separated *s)
+{
+    const double code = p->mesh.triangles ? 0.0 : fabs(JO_RE(state[JO_PAIR_CODE]));
+    jo_polytope_place(&p->a, 0, 0);
+    jo_polytope_place(&p->b, p->r, p->R);
+    if (code > 0.0 && jo_still_separated(&p->a, &p->b, code, p->r, p->R, s)) return s->gap - jo_pair_radii(p);
+    return separate_from(p, 0, s);
 }
 
 /* place of a point, its motion and its force */
@@ -233,7 +245,7 @@ static void continue_states(const jo_force *f, const pair *p, const jo_corner *c
 /* the face of a listed point, from which the search may start */
 static jo_separated face_of(const jo_force *f, const jo_real *state)
 {
-    jo_separated y = {JO_CLOSEST_POINTS, {0, 0, 0, 0}, {0, 0}, 0.0, {0.0, 0.0, 0.0}};
+    jo_separated y = {JO_CLOSEST_POINTS, {0, 0, 0, 0}, {0, 0}, {0, 0}, 0.0, {0.0, 0.0, 0.0}};
     for (int i = 0; i < jo_pair_points(f) && y.kind == JO_CLOSEST_POINTS; i++, state += JO_PAIR_STATES) {
         if (!jo_pair_is_listed(state)) continue;
         const jo_feature_pair of = jo_feature_of(JO_RE(state[JO_PAIR_CODE]));
@@ -250,8 +262,10 @@ static void list_corners(const jo_force *f, pair *p, const jo_real *state, jo_re
     jo_separated s;
     jo_corner corner[JO_CORNERS];
     const jo_separated before = face_of(f, state);
-    const int found = separate(p, before.kind == JO_CLOSEST_POINTS ? 0 : &before, &s) < 0.0 ? jo_corners(&p->a, &p->b, &s, corner) : 0;
+    const double gap = before.kind == JO_CLOSEST_POINTS ? separate(p, state, &s) : separate_from(p, &before, &s);
+    const int found = gap < 0.0 ? jo_corners(&p->a, &p->b, &s, corner) : 0;
     for (int i = 0; i < found && i < jo_pair_points(f); i++) continue_states(f, p, corner + i, state, next + JO_PAIR_STATES * i);
+    if (!found && s.gap > 0.0) next[JO_PAIR_CODE] = jo_same(-jo_separation_code(&s));
 }
 
 /* the points of the present pose with the states that continue those in `state` */
@@ -317,7 +331,7 @@ static jo_real margin(const jo_model *m, const jo_data *d, const jo_force *f)
     if (!any_listed(f, state)) {
         jo_separated s;
         read(d, f, &p);
-        return jo_same(separate(&p, 0, &s));
+        return jo_same(separate(&p, state, &s));
     }
     jo_real least = {INFINITY};
     point t;
@@ -359,10 +373,10 @@ static int ease(const jo_model *m, const jo_data *d, const jo_force *f, jo_real 
     return changed;
 }
 
-static void approach_apart(pair *p, jo_approach *to)
+static void approach_apart(pair *p, const jo_real *state, jo_approach *to)
 {
     jo_separated s;
-    to->gap = separate(p, 0, &s);
+    to->gap = separate(p, state, &s);
     to->face = s.kind == JO_FACE_A ? 1 + s.of[0] : 0;
     jo_pair_approach_along(p, s.normal, to);
 }
@@ -379,7 +393,7 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
     jo_seen_speeds(d, f->state)[REACH] = jo_pair_reach(&p);
     if (p.mesh.triangles) return jo_pair_approach_mesh(f, &p, state, to);
     if (!any_listed(f, state)) {
-        approach_apart(&p, to);
+        approach_apart(&p, state, to);
         return 1;
     }
     to->gap = INFINITY;
@@ -400,6 +414,7 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
 static int jumps(const jo_force *f, const jo_real *before, const jo_real *after)
 {
     for (int i = 0; i < jo_pair_points(f); i++, before += JO_PAIR_STATES, after += JO_PAIR_STATES) {
+        if (!jo_pair_is_listed(before) && !jo_pair_is_listed(after)) continue;
         if (JO_RE(before[JO_PAIR_CODE]) != JO_RE(after[JO_PAIR_CODE]) || JO_RE(before[JO_PAIR_WEIGHT]) != JO_RE(after[JO_PAIR_WEIGHT])) return 1;
         if (jo_contact_phase(before) != jo_contact_phase(after)) return 1;
     }

@@ -1,31 +1,26 @@
-/* force_contact_slot.c - contact of a pair of shapes that is found at run time: the law of force_contact.c between the shapes that the first
- * two states of the slot name (contact_rows.h). A free slot exerts no force. */
+/* force_contact_slot.c - contact of a pair of shapes that is found at run time: the law of force_contact.c or force_contact_pair.c between the shapes
+ * that the first two states of the slot name (contact_rows.h). A free slot exerts no force. */
 #include "force/force.h"
 #include "contact/contact.h"
+#include "force/contact_point.h"
 
-/* the states from the first to `count` do not move within a step */
-static void hold(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, int count)
+static const jo_force_kind *kind_of(const jo_force *contact)
 {
-    static const jo_slopes_of_state none = {0.0, 0.0, 0.0, 0.0};
-    const jo_real still = jo_same(0.0);
-    for (int k = f->state; k < f->state + count; k++) {
-        if (jo_condenses(stage)) {
-            jo_condense_state(m, d, stage, k, still, still);
-            continue;
-        }
-        jo_state_rates(m, d)[k] = still;
-        if (stage->set && !stage->earlier) d->forces.slopes[k] = none;
-    }
+    return contact->type == JO_FORCE_contact_pair ? &jo_force_contact_pair : &jo_force_contact;
+}
+
+void jo_start_slot(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *state)
+{
+    const jo_force *contact = jo_bound_force(d, f);
+    kind_of(contact)->start(m, d, contact, state + JO_SLOT_STATES);
 }
 
 static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *out)
 {
     static const jo_force_work none = {{0.0}, 0.0, 0.0, 0.0};
     const jo_force *contact = jo_bound_force(d, f);
-    hold(m, d, stage, f, contact ? JO_SLOT_STATES : f->states);
-    jo_stage plain = *stage;
-    plain.contacts = 0;   /* the matrix of a Rosenbrock method does not contain slots */
-    if (contact) return (*jo_force_contact.apply)(m, d, &plain, contact, out);
+    jo_contact_hold_states(m, d, stage, f->state, contact ? JO_SLOT_STATES : f->states);
+    if (contact) return (*kind_of(contact)->apply)(m, d, stage, contact, out);
     *out = none;
     return JO_OK;
 }
@@ -33,13 +28,13 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
 static jo_real stored_in_slot(const jo_data *d, const jo_force *f)
 {
     const jo_force *contact = jo_bound_force(d, f);
-    return contact ? jo_force_contact.stored(d, contact) : jo_same(0.0);
+    return contact ? kind_of(contact)->stored(d, contact) : jo_same(0.0);
 }
 
 static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y)
 {
     const jo_force *contact = jo_bound_force(d, f);
-    return contact ? (*jo_force_contact.tangent)(m, d, stage, contact, y) : JO_OK;
+    return contact ? (*kind_of(contact)->tangent)(m, d, stage, contact, y) : JO_OK;
 }
 
 /* free, until jo_find_contacts binds a pair */
@@ -51,56 +46,60 @@ static void free_slot(const jo_model *m, const jo_data *d, const jo_force *f, jo
 
 static void slot_nominals(const jo_model *m, const jo_force *f, double duration, double *x)
 {
-    jo_force_contact.nominals(m, f, duration, x + JO_SLOT_STATES);
-    for (int i = 0; i < JO_SLOT_STATES; i++) x[i] = 1.0;
+    (void)m; (void)duration;
+    for (int i = 0; i < f->states; i++) x[i] = 1.0;
 }
 
 static jo_real update_slot(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x)
 {
     const jo_force *contact = jo_bound_force(d, f);
-    return contact ? jo_force_contact.yielding->update(m, d, contact, x + JO_SLOT_STATES) : jo_same(0.0);
+    return contact ? kind_of(contact)->yielding->update(m, d, contact, x + JO_SLOT_STATES) : jo_same(0.0);
 }
 
 static jo_real slot_margin(const jo_model *m, const jo_data *d, const jo_force *f)
 {
     const jo_force *contact = jo_bound_force(d, f);
-    return contact ? jo_force_contact.yielding->margin(m, d, contact) : jo_same(1.0);
+    return contact ? kind_of(contact)->yielding->margin(m, d, contact) : jo_same(1.0);
 }
 
 static int slot_jumps(const jo_force *f, const jo_real *before, const jo_real *after)
 {
-    return jo_force_contact.yielding->jumps(f, before + JO_SLOT_STATES, after + JO_SLOT_STATES);
+    jo_force own = *f;
+    own.state += JO_SLOT_STATES;
+    own.states -= JO_SLOT_STATES;
+    own.type = jo_slot_pair_points(f) ? JO_FORCE_contact_pair : JO_FORCE_contact;
+    return kind_of(&own)->yielding->jumps(&own, before + JO_SLOT_STATES, after + JO_SLOT_STATES);
 }
 
 static double longest_step_of_slot(const jo_model *m, const jo_data *d, const jo_force *f, int explicit_method)
 {
     const jo_force *contact = jo_bound_force(d, f);
-    return contact ? jo_force_contact.yielding->longest_step(m, d, contact, explicit_method) : INFINITY;
+    return contact ? kind_of(contact)->yielding->longest_step(m, d, contact, explicit_method) : INFINITY;
 }
 
 static int ease_slot(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x)
 {
     const jo_force *contact = jo_bound_force(d, f);
-    return contact ? jo_force_contact.yielding->ease(m, d, contact, x + JO_SLOT_STATES) : 0;
+    return contact ? kind_of(contact)->yielding->ease(m, d, contact, x + JO_SLOT_STATES) : 0;
 }
 
 static int slot_approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_approach *y)
 {
     const jo_force *contact = jo_bound_force(d, f);
-    return contact ? jo_force_contact.yielding->approach(m, d, contact, y) : 0;
+    return contact ? kind_of(contact)->yielding->approach(m, d, contact, y) : 0;
 }
 
 static int slot_strikes(const jo_model *m, const jo_data *d, const jo_force *f, struct jo_strike *list, int room)
 {
     const jo_force *contact = jo_bound_force(d, f);
-    return contact ? jo_force_contact.yielding->strikes(m, d, contact, list, room) : 0;
+    return contact ? kind_of(contact)->yielding->strikes(m, d, contact, list, room) : 0;
 }
 
 /* `x` binds the slot as the present states do */
 static int slot_touches(const jo_model *m, const jo_data *d, const jo_force *f, const jo_real *x, jo_touch *y, jo_real *sums)
 {
     const jo_force *contact = jo_bound_force(d, f);
-    const int count = contact ? jo_force_contact.yielding->touches(m, d, contact, x + JO_SLOT_STATES, y, sums) : 0;
+    const int count = contact ? kind_of(contact)->yielding->touches(m, d, contact, x + JO_SLOT_STATES, y, sums) : 0;
     int shapes[2];
     jo_slot_shapes(d, f, shapes);
     for (int i = 0; i < count; i++) {

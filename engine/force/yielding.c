@@ -4,8 +4,6 @@
 #include "force/force.h"
 #include "contact/contact.h"
 
-enum { JO_MAX_YIELDING_STATES = 64 };   /* states of a force that yields */
-
 int jo_yielding_ready(const jo_model *m, jo_data *d)
 {
     const int status = jo_ready_sensors(m, d, 0);
@@ -53,7 +51,7 @@ double jo_yielding_longest_step(const jo_model *m, const jo_data *d, int explici
         const jo_force *f = &m->force[d->forces.yielding[k]];
         const jo_yielding *kind = jo_yielding_of(f);
         if (!kind->longest_step || jo_released(d, f->release)) continue;
-        const int own = explicit_method == JO_EXPLICIT_SLOTS ? f->type == JO_FORCE_contact_slot || f->type == JO_FORCE_contact_track : explicit_method;
+        const int own = explicit_method == JO_EXPLICIT_OUTSIDE ? f->type == JO_FORCE_contact_track : explicit_method;
         longest = fmin(longest, kind->longest_step(m, d, f, own));
     }
     return longest;
@@ -69,7 +67,7 @@ static jo_real update_of(const jo_model *m, const jo_data *d, const jo_force *f,
 /* The states of the end of a step, and its dissipated energy; for that of contacts see contact_record.c. */
 int jo_accept_yielding(const jo_model *m, jo_data *d, int records)
 {
-    jo_real x[JO_MAX_YIELDING_STATES];
+    jo_real x[JO_MOST_SLOT_STATES];
     int jumped = 0;
     for (int k = 0; k < m->nyielding; k++) {
         const jo_force *f = &m->force[d->forces.yielding[k]];
@@ -99,7 +97,7 @@ void jo_yield(const jo_model *m, jo_data *d)
 
 jo_real jo_yielding_loss(const jo_model *m, const jo_data *d)
 {
-    jo_real sum = {0.0}, x[JO_MAX_YIELDING_STATES];
+    jo_real sum = {0.0}, x[JO_MOST_SLOT_STATES];
     for (int k = 0; k < m->nyielding; k++) {
         const jo_force *f = &m->force[d->forces.yielding[k]];
         if (!jo_yielding_of(f)->touches) sum += update_of(m, d, f, x);
@@ -109,7 +107,7 @@ jo_real jo_yielding_loss(const jo_model *m, const jo_data *d)
 
 jo_real jo_bristles_at_end(const jo_model *m, const jo_data *d)
 {
-    jo_real sums[JO_TOUCH_SUMS] = {0.0}, x[JO_MAX_YIELDING_STATES];
+    jo_real sums[JO_TOUCH_SUMS] = {0.0}, x[JO_MOST_SLOT_STATES];
     jo_touch unused[JO_MAX_TOUCHES];
     for (int k = 0; k < m->nyielding; k++) {
         const int force = d->forces.yielding[k];
@@ -123,7 +121,7 @@ jo_real jo_bristles_at_end(const jo_model *m, const jo_data *d)
 void jo_force_state(const jo_model *m, const jo_data *d, int force, int state, jo_real *y)
 {
     const jo_force *f = &m->force[force];
-    jo_real x[JO_MAX_YIELDING_STATES];
+    jo_real x[JO_MOST_SLOT_STATES];
     y[0] = jo_states(m, d)[f->state + state];
     if (!jo_yielding_of(f)) return;
     update_of(m, d, f, x);

@@ -189,11 +189,11 @@ static int try_again(const jo_model *m, jo_data *d, const jo_solver *s, double *
     return 1;
 }
 
-/* which forces a method treats as an explicit one */
-static int explicit_forces(const jo_solver *s)
+/* forces that the next step of a method treats as an explicit one: contacts are in the matrix of ROS2 if all of them fit */
+static int explicit_forces(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     if (s->method == JO_METHOD_alpha) return JO_EXPLICIT_NONE;
-    return jo_contacts_in_matrix(jo_method_tableau(s->method)) ? JO_EXPLICIT_SLOTS : JO_EXPLICIT_ALL;
+    return jo_contacts_in_matrix(jo_method_tableau(s->method)) && jo_contacts_fit(m, d) ? JO_EXPLICIT_OUTSIDE : JO_EXPLICIT_ALL;
 }
 
 /* step of length s->step in parts that end at events */
@@ -210,7 +210,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
     if (first && status == JO_OK) status = jo_events_start(m, d);
     while (status == JO_OK && end - done > time_resolution(d)) {
         double length = fmin(end - done, longest);
-        if (m->nyielding) length = fmin(length, jo_resolved(m, d, explicit_forces(s)));
+        if (m->nyielding) length = fmin(length, jo_resolved(m, d, explicit_forces(m, d, s)));
         const double wanted = length;
         status = part_step(m, d, s, first, &length, &found, &chain);
         if (status == JO_NO_CONVERGENCE && try_again(m, d, s, &longest, wanted)) {

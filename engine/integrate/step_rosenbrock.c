@@ -168,7 +168,7 @@ static JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, con
     const jo_real t0 = d->time[0];
     weights w;
     weigh(t, &w);
-    jo_stage stage = {.set = 1, .gh = t->coefficient[0] * s->step, .contacts = jo_contacts_in_matrix(t) && (jo_network_count(d) > 0 || jo_contacts_closed(m, d)),
+    jo_stage stage = {.set = 1, .gh = t->coefficient[0] * s->step, .contacts = jo_contacts_in_matrix(t) && (jo_contacts_begin(m, d) || jo_network_count(d) > 0),
                       .alpha = s->alpha, .beta = s->beta};
     jo_use_step(m, d, stage.gh);
     int status = stage_of(m, d, t, &w, 0, t0, &stage);

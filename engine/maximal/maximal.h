@@ -14,6 +14,13 @@
 /* rows of a joint in memory: columns of its blocks are padded with 0 */
 static inline int jo_padded(int rows) { return rows <= 4 ? 4 : 8; }
 
+/* number of velocities of the body of a marker; 0: ground */
+static inline int jo_marker_velocities(const jo_model *m, int marker)
+{
+    const int body = m->marker[marker].body;
+    return body < 0 ? 0 : 6 + m->body[body].n;
+}
+
 /* whether a body carries trees of hybrid mode; whether y and yp contain a change of the forces */
 static inline int jo_carries(const jo_body_work *b) { return b->maximal.carried != 0; }
 static inline int jo_force_changed(const jo_body_work *b) { return b->maximal.changed; }

@@ -1,4 +1,6 @@
 /* network_layout.c - memory and constants of the networks of states. */
+#include "maximal/maximal.h"
+#include "tree/tree.h"
 #include "network/network.h"
 
 int jo_is_network(const jo_force *f) { return f->type == JO_FORCE_network; }
@@ -22,12 +24,6 @@ int jo_network_rows(const jo_model *m)
 }
 
 jo_network *jo_network_of(const jo_data *d, const jo_force *f) { return &d->networks.list[jo_whole(header(f)->number)]; }
-
-static int velocities(const jo_model *m, int marker)
-{
-    const int body = m->marker[marker].body;
-    return body < 0 ? 0 : 6 + m->body[body].n;
-}
 
 static void count(const jo_force *f, jo_network *w)
 {
@@ -65,7 +61,7 @@ static void take(const jo_model *m, const jo_force *f, jo_network *w, jo_arena *
     w->J = (jo_real **)jo_take_many(a, 2 * w->m, sizeof *w->J);
     for (int k = 0; k < w->m; k++) {
         const jo_coordinate *c = &m->coordinate[jo_network_coordinate(f, k)];
-        const int first = velocities(m, c->a), second = velocities(m, c->b), all = m->nlink && m->nu > first ? m->nu : first;
+        const int first = jo_marker_velocities(m, c->a), second = jo_marker_velocities(m, c->b), all = m->nlink && m->nu > first ? m->nu : first;
         jo_real *x = jo_take_reals(a, all), *y = jo_take_reals(a, second);
         if (!a->base) continue;
         w->J[2 * k] = x;
@@ -109,14 +105,6 @@ void jo_networks_layout(const jo_model *m, jo_data *d, jo_arena *a)
     }
 }
 
-static int link_of(const jo_model *m, int marker)
-{
-    const int body = m->marker[marker].body;
-    for (int i = 0; body >= 0 && i < m->nlink; i++)
-        if (m->link[i].body == body) return i;
-    return -1;
-}
-
 /* constants and codes of all networks, from the numbers of the model */
 void jo_networks_setup(const jo_model *m, jo_data *d)
 {
@@ -125,8 +113,8 @@ void jo_networks_setup(const jo_model *m, jo_data *d)
         read(&m->force[w->force], w);
         for (int k = 0; k < w->m; k++) {
             const jo_coordinate *c = &m->coordinate[w->coordinate[k]];
-            w->link[2 * k] = link_of(m, c->a);
-            w->link[2 * k + 1] = link_of(m, c->b);
+            w->link[2 * k] = jo_marker_link(m, d, c->a);
+            w->link[2 * k + 1] = jo_marker_link(m, d, c->b);
         }
     }
 }

@@ -19,7 +19,7 @@ static void side_jacobian(const jo_model *m, jo_data *d, jo_network *w, int k, i
     static const jo_stage derivatives = {.weights = {1.0, 1.0, 0.0, 1.0, 0, 1}};
     const jo_coordinate *c = &m->coordinate[w->coordinate[k]];
     const jo_coordinate_work *x = &d->coordinate[w->coordinate[k]];
-    const int marker = side ? c->b : c->a, body = m->marker[marker].body, n = body < 0 ? 0 : 6 + m->body[body].n;
+    const int marker = side ? c->b : c->a, body = m->marker[marker].body, n = jo_marker_velocities(m, marker);
     w->count[2 * k + side] = n;
     if (!n) return;
     w->at[2 * k + side] = m->body[body].iv;

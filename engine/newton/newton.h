@@ -48,12 +48,20 @@ static inline const jo_real *jo_newton_regularisation(const jo_data *d) { return
 /* (6 x jo_pad(6 + n)) derivatives of [r, rotation] (world) of a marker with respect to the coordinates of its body, of jo_newton_marker */
 static inline const jo_real *jo_marker_derivatives(const jo_data *d, int marker) { return d->newton.marker[marker].L; }
 
+/* newton_blocks.c */
+typedef struct { jo_real *at; int stride; } jo_block;
+int jo_newton_branches(const jo_model *m);   /* number of all branches */
+/* block with the rows of item x and the columns of item y (bodies, then joints); address 0 if it is structurally zero */
+jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y);
+int jo_newton_couples(const jo_model *m, int x, int y);   /* whether there is such a block of two bodies */
+void jo_newton_clear(const jo_model *m, jo_data *d);   /* N = 0 */
+int jo_newton_fill_in(const jo_model *m, jo_data *d, int c);   /* number of branches of a node that are used, listed in newton.row; marks their fill-in */
+static inline int jo_newton_empty(const jo_data *d, int branch) { return d->newton.sparse && !d->newton.used[branch]; }
+
 /* newton_layout.c */
 void jo_newton_layout(const jo_model *m, jo_data *d, jo_arena *a);
 
 /* newton_factor.c */
-typedef struct { jo_real *at; int stride; } jo_block;
-jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y);   /* rows of x, columns of y: bodies, then joints */
 int jo_newton_factor(const jo_model *m, jo_data *d, int redundant);
 
 /* newton_solve.c */

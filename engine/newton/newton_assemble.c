@@ -12,7 +12,7 @@
 
 void jo_newton_masses(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    for (int i = 0; i < m->nnewton; i++) d->newton.N[i] = 0.0;
+    jo_newton_clear(m, d);
     for (int i = 0; i < m->nbody; i++) jo_newton_body(m, d, stage, i);
     if (m->nbeam) jo_newton_beams(m, d, stage);
 }
@@ -30,7 +30,7 @@ void jo_newton_rows(const jo_model *m, jo_data *d, const jo_stage *stage)
 /* matrix of bodies, beams, joints, frictions, forces, and the geometric stiffness of all loads */
 int jo_newton_assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    for (int i = 0; i < m->nnewton; i++) d->newton.N[i] = 0.0;
+    jo_newton_clear(m, d);
     for (int i = 0; i < m->nbody; i++) jo_newton_body(m, d, stage, i);
     if (m->nbeam) jo_newton_beams(m, d, stage);
     for (int i = 0; i < m->nactive; i++) {

@@ -16,6 +16,8 @@ typedef struct {
 typedef struct {
     jo_real *N, *x;         /* (nnewton) Newton's matrix or its factors, (nv + nrow) right-hand side or solution */
     int *pivot;             /* (nv + nrow) row exchanges */
+    int sparse;             /* whether most blocks are zero at a time, since sets of shapes touch */
+    int *used, *row;        /* (branches) then whether the blocks of a branch contain numbers; scratch */
     double *unit, *unit_of_row;   /* (nv + nrow) units of the unknowns of N; the same in the order of the exchanged rows */
     jo_real *base, *base_lam;   /* (nv), (nrow) initial accelerations and multipliers of coupled_mass.c */
     jo_real *lag;           /* (nv) forces of beams in the W-method */

@@ -11,35 +11,6 @@
 /* pivot relative to (unit of its row x unit of its column) below which the row depends on other rows */
 #define JO_DEPENDENT_PIVOT 1e-14
 
-/* block with the rows of item x and the columns of item y (bodies, then joints); address 0 if it is structurally zero */
-jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y)
-{
-    const jo_place *p = &m->place[x], *q = &m->place[y];
-    const int early = p->node < q->node ? p->node : q->node, late = p->node < q->node ? q->node : p->node;
-    const jo_node *node = &m->node[early];
-    jo_block block = {d->newton.N + node->diagonal, jo_pad(node->size)};
-    if (early != late) {
-        const jo_branch *branch = &m->branch[node->first], *end = branch + node->count;
-        while (branch < end && branch->node != late) branch++;
-        if (branch == end) {
-            const jo_block none = {0, 0};
-            return none;
-        }
-        if ((p->node == late ? p->local : q->local) >= branch->width) {
-            const jo_block none = {0, 0};
-            return none;
-        }
-        if (p->node == late) {
-            block.at = d->newton.N + branch->lower;
-        } else {
-            block.at = d->newton.N + branch->upper;
-            block.stride = jo_pad(branch->width);
-        }
-    }
-    block.at += p->local * block.stride + q->local;
-    return block;
-}
-
 /* y -= s x, padded length */
 static inline void subtract_row(jo_real *restrict y, const jo_real s, const jo_real *restrict x, const int padded)
 {
@@ -322,7 +293,7 @@ static void transpose_node(const jo_model *m, jo_data *d, const jo_node *node)
 {
     transpose_six(d->newton.N + node->diagonal);
     for (int b = node->first; b < node->first + node->count; b++) {
-        if (m->branch[b].width != JO_SIX) continue;
+        if (m->branch[b].width != JO_SIX || jo_newton_empty(d, b)) continue;
         transpose_six(d->newton.N + m->branch[b].lower);
         transpose_six(d->newton.N + m->branch[b].upper);
     }
@@ -334,6 +305,44 @@ static int all_finite(const jo_real *x, const int n)
     jo_lanes sum = {0};
     JO_EACH(i, n) sum += JO_LOAD(x + i) - JO_LOAD(x + i);
     return JO_RE(jo_sum(sum)) == 0.0;
+}
+
+/* A_ij -= A_ic A_cj */
+static void update_later(const jo_model *m, jo_data *d, const jo_node *node, const jo_fill *fill, int six)
+{
+    const jo_branch *left = &m->branch[fill->left], *right = &m->branch[fill->right];
+    const int padded = jo_pad(right->width);
+    jo_real *T = d->newton.N + fill->target;
+    const jo_real *X = d->newton.N + left->lower, *Y = d->newton.N + right->upper;
+    if (six && left->width == JO_SIX && padded == JO_ROW)
+        subtract_six(T, fill->stride, X, Y);
+    else
+        subtract_product(T, fill->stride, X, jo_pad(node->size), left->width, node->size, Y, padded);
+}
+
+/* blocks right of a pivot, A_cj = A_cc^-1 A_cj, and later blocks, without those that are zero */
+static void eliminate(const jo_model *m, jo_data *d, int c, int six)
+{
+    const jo_node *node = &m->node[c];
+    const jo_real *A = d->newton.N + node->diagonal;
+    for (int b = node->first; b < node->first + node->count; b++) {
+        jo_real *Y = d->newton.N + m->branch[b].upper;
+        const int padded = jo_pad(m->branch[b].width);
+        if (jo_newton_empty(d, b)) continue;
+        if (six && padded == JO_ROW)
+            multiply_six(A, Y);
+        else if (six)
+            multiply_six_rows(A, Y, padded);
+        else
+            solve_rows(A, node->size, jo_pad(node->size), d->newton.pivot + node->at, Y, padded);
+    }
+    if (!d->newton.sparse) {
+        for (int f = m->fill_first[c]; f < m->fill_first[c + 1]; f++) update_later(m, d, node, &m->fill[f], six);
+        return;
+    }
+    const int count = jo_newton_fill_in(m, d, c), *row = d->newton.row;   /* the fills of a node are those of all pairs of its branches */
+    for (int i = 0; i < count; i++)
+        for (int j = 0; j < count; j++) update_later(m, d, node, &m->fill[m->fill_first[c] + row[i] * node->count + row[j]], six);
 }
 
 /* factors of d->newton.N in place, node by node: LU of the diagonal block, A_cc^-1 A_cj, updates of later blocks. redundant: regularised */
@@ -364,29 +373,7 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
             d->error_index = joint >= 0 ? joint : node->body;
             return joint >= 0 ? JO_SINGULAR_JOINT : JO_SINGULAR_BODY;
         }
-        /* blocks to the right: A_cj = A_cc^-1 A_cj */
-        for (int b = node->first; b < node->first + node->count; b++) {
-            jo_real *Y = d->newton.N + m->branch[b].upper;
-            const int padded = jo_pad(m->branch[b].width);
-            if (six && padded == JO_ROW)
-                multiply_six(A, Y);
-            else if (six)
-                multiply_six_rows(A, Y, padded);
-            else
-                solve_rows(A, node->size, stride, pivot, Y, padded);
-        }
-        /* later blocks: A_ij -= A_ic A_cj */
-        for (int f = m->fill_first[c]; f < m->fill_first[c + 1]; f++) {
-            const jo_fill *fill = &m->fill[f];
-            const jo_branch *left = &m->branch[fill->left], *right = &m->branch[fill->right];
-            const int padded = jo_pad(right->width);
-            jo_real *T = d->newton.N + fill->target;
-            const jo_real *X = d->newton.N + left->lower, *Y = d->newton.N + right->upper;
-            if (six && left->width == JO_SIX && padded == JO_ROW)
-                subtract_six(T, fill->stride, X, Y);
-            else
-                subtract_product(T, fill->stride, X, stride, left->width, node->size, Y, padded);
-        }
+        if (node->count) eliminate(m, d, c, six);
         if (six) transpose_node(m, d, node);
     }
     return JO_OK;

@@ -31,6 +31,10 @@ void jo_newton_layout(const jo_model *m, jo_data *d, jo_arena *a)
     w->sum_lam = jo_take_reals(a, m->nrow);
     w->soft = jo_take_reals(a, m->nrow);
     w->pivot = jo_take_ints(a, count);
+    w->sparse = 0;
+    for (int i = 0; i < m->nforce; i++) w->sparse |= m->nnode && m->force[i].type == JO_FORCE_contact_set;
+    w->used = jo_take_ints(a, w->sparse ? jo_newton_branches(m) : 0);
+    w->row = jo_take_ints(a, w->sparse ? jo_newton_branches(m) : 0);
     w->unit = jo_take_doubles(a, count);
     w->unit_of_row = jo_take_doubles(a, count);
     lay_tangents(m, w, a);

@@ -82,6 +82,7 @@ void jo_newton_solve(const jo_model *m, jo_data *d)
         else solve_column(d->newton.N + node->diagonal, node->size, stride, d->newton.pivot + node->at, x);
         for (int b = node->first; b < node->first + node->count; b++) {
             const jo_branch *branch = &m->branch[b];
+            if (jo_newton_empty(d, b)) continue;
             const jo_real *X = d->newton.N + branch->lower;
             jo_real *y = d->newton.x + m->node[branch->node].at;
             if (six && branch->width == JO_SIX) subtract_six(y, X, x);
@@ -95,6 +96,7 @@ void jo_newton_solve(const jo_model *m, jo_data *d)
         for (int b = node->first; b < node->first + node->count; b++) {
             const jo_branch *branch = &m->branch[b];
             const int stride = jo_pad(branch->width);
+            if (jo_newton_empty(d, b)) continue;
             const jo_real *Y = d->newton.N + branch->upper, *y = d->newton.x + m->node[branch->node].at;
             if (node->size == JO_SIX && branch->width == JO_SIX) subtract_six(x, Y, y);
             else

@@ -11,6 +11,13 @@ static inline void jo_tree_push(const jo_model *m, jo_data *d, int link, jo_real
     d->tree.tau[m->link[link].u] += m->link[link].reversed ? -f : f;
 }
 
+/* link of the body of a marker; -1: none, or the ground */
+static inline int jo_marker_link(const jo_model *m, const jo_data *d, int marker)
+{
+    const int body = m->marker[marker].body;
+    return body < 0 || !m->nlink ? -1 : d->tree.of_body[body];
+}
+
 /* tree_force_response.c */
 void jo_tree_clear_added_forces(const jo_model *m, jo_data *d);
 void jo_tree_force_response(const jo_model *m, jo_data *d, jo_real *rate);   /* rate (nu): change of qdd by the added forces */

@@ -9,14 +9,26 @@
 #include "network/network.h"
 #include "tree/tree_links.h"
 
+/* Few bodies may move freely beside the trees if sets of shapes touch: each may have several contacts, and Newton's matrix is sparse. */
 int jo_tree_takes_contacts(const jo_model *m)
 {
-    return m->nlink && !jo_mixed(m) && !m->nloop && !m->nfriction && 3 * jo_contact_count(m) + jo_network_rows(m) <= JO_TREE_CONTACT_ROWS;
+    int count = 0, bodies = 0, sets = 0;
+    if (!m->nlink || jo_mixed(m) || m->nloop || m->nfriction) return 0;
+    for (int i = 0; i < m->nforce; i++) {
+        if (m->force[i].type != JO_FORCE_contact_slot) count += jo_contact_points(&m->force[i]);
+        sets += jo_is_contact_set(&m->force[i]);
+    }
+    for (int i = 0; sets && i < m->nlink; i++) bodies += m->link[i].type == JO_LINK_FREE;
+    return 3 * count + jo_network_rows(m) <= JO_TREE_ROWS && bodies <= JO_TREE_BODIES;
 }
 
 void jo_tree_contact_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
-    const int n = jo_tree_takes_contacts(m) ? 3 * jo_contact_count(m) + jo_network_rows(m) : 0;
+    int count = 0;
+    for (int i = 0; i < m->nforce; i++) count += jo_contact_points(&m->force[i]);
+    const int closed = jo_tree_takes_contacts(m) ? 3 * (count < JO_TREE_CLOSED ? count : JO_TREE_CLOSED) : 0;
+    const int n = jo_tree_takes_contacts(m) ? closed + jo_network_rows(m) : 0;
+    d->tree.contact_jacobian = jo_take_reals(a, closed * m->nu);
     d->tree.contact_response = jo_take_reals(a, n * m->nu);
     d->tree.contact_factors = jo_take_reals(a, n * n);
     d->tree.contact_force = jo_take_reals(a, n);
@@ -36,7 +48,7 @@ static void add_column(jo_contact_matrix *c, const jo_real *A, int j, double sig
 /* columns of the joints between a link and the ground */
 static void add_path(const jo_model *m, jo_data *d, jo_contact_matrix *c, int link, double sign)
 {
-    const jo_real *A = d->marker[m->force[c->force].a].A;
+    const jo_real *A = d->marker[c->force->a].A;
     const jo_vec point = jo_vec_load(c->point);
     for (int i = link; i >= 0; i = m->link[i].parent) {
         const jo_link *k = &m->link[i];
@@ -55,21 +67,23 @@ void jo_tree_contact_jacobian(const jo_model *m, jo_data *d, jo_contact_matrix *
 {
     c->at[0] = c->at[1] = c->count[1] = 0;
     c->count[0] = m->nu;
+    c->J[0] = d->tree.contact_jacobian + 3 * m->nu * (jo_closed_contacts(d) - 1);   /* it is the last one of the list */
     for (int j = 0; j < 3 * m->nu; j++) c->J[0][j] = jo_same(0.0);
-    add_path(m, d, c, c->link[1], 1.0);
-    add_path(m, d, c, c->link[0], -1.0);
+    add_path(m, d, c, jo_marker_link(m, d, c->force->b), 1.0);
+    add_path(m, d, c, jo_marker_link(m, d, c->force->a), -1.0);
 }
 
 /* added force F (3), resolved in a, on b and -F on a at the contact point */
 static void add_force(const jo_model *m, jo_data *d, const jo_contact_matrix *c, const jo_real *F)
 {
     jo_real world[3];
-    jo_mul3(world, d->marker[m->force[c->force].a].A, F);
+    jo_mul3(world, d->marker[c->force->a].A, F);
     for (int s = 0; s < 2; s++) {
-        if (c->link[s] < 0) continue;
-        jo_link_response *r = &d->tree.response[c->link[s] + 1];
+        const int link = jo_marker_link(m, d, s ? c->force->b : c->force->a);
+        if (link < 0) continue;
+        jo_link_response *r = &d->tree.response[link + 1];
         const jo_vec f = jo_vec_scale(jo_same(s ? 1.0 : -1.0), jo_vec_load(world));
-        const jo_vec arm = jo_vec_sub(jo_vec_load(c->point), d->tree.link[c->link[s] + 1].p);
+        const jo_vec arm = jo_vec_sub(jo_vec_load(c->point), d->tree.link[link + 1].p);
         r->f = jo_vec_add(r->f, f);
         r->t = jo_vec_add(r->t, jo_vec_cross(arm, f));
     }
@@ -79,30 +93,29 @@ static void add_force(const jo_model *m, jo_data *d, const jo_contact_matrix *c,
 static int prepare(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
+    const int contacts = 3 * jo_closed_contacts(d);
     int n = 0;
-    for (const jo_contact_matrix *c = jo_next_contact(d, 0); c; c = jo_next_contact(d, c))
-        for (int i = 0; i < 3; i++, n++) {
-            const jo_real unit[3] = {jo_same(i == 0), jo_same(i == 1), jo_same(i == 2)};
-            jo_tree_clear_added_forces(m, d);
-            add_force(m, d, c, unit);
-            jo_tree_force_response(m, d, t->contact_response + n * m->nu);
-        }
-    const int contacts = n;
+    for (; n < contacts; n++) {
+        const jo_real unit[3] = {jo_same(n % 3 == 0), jo_same(n % 3 == 1), jo_same(n % 3 == 2)};
+        jo_tree_clear_added_forces(m, d);
+        add_force(m, d, jo_closed_contact(d, n / 3), unit);
+        jo_tree_force_response(m, d, t->contact_response + n * m->nu);
+    }
     for (int i = 0; i < jo_network_count(d); i++)
         for (int k = 0; k < jo_network_at(d, i)->m; k++, n++) {
             jo_tree_clear_added_forces(m, d);
             jo_tree_push_network(m, d, jo_network_at(d, i), k, jo_same(1.0));
             jo_tree_force_response(m, d, t->contact_response + n * m->nu);
         }
-    int row = 0;
-    for (const jo_contact_matrix *c = jo_next_contact(d, 0); c; c = jo_next_contact(d, c), row += 3)
+    for (int row = 0; row < contacts; row += 3)
         for (int j = 0; j < n; j++) {
+            const jo_contact_matrix *c = jo_closed_contact(d, row / 3);
             jo_real W[3], GW[3];
             jo_contact_velocity(c, t->contact_response + j * m->nu, W);
             jo_mul3(GW, c->G, W);
             for (int i = 0; i < 3; i++) t->contact_factors[(row + i) * n + j] = GW[i] + (row + i == j ? 1.0 : 0.0);
         }
-    row = contacts;
+    int row = contacts;
     for (int i = 0; i < jo_network_count(d); i++) {
         const jo_network *w = jo_network_at(d, i);
         for (int j = 0; j < n; j++) {
@@ -122,11 +135,11 @@ static int prepare(const jo_model *m, jo_data *d)
 /* the accelerations of the links, for the forces of drives */
 static void accept_forces(const jo_model *m, jo_data *d)
 {
-    int row = 0;
+    int row = 3 * jo_closed_contacts(d);
     jo_tree_clear_added_forces(m, d);
-    for (const jo_contact_matrix *c = jo_next_contact(d, 0); c; c = jo_next_contact(d, c), row += 3) {
-        const jo_real *x = d->tree.contact_force + row, F[3] = {-x[0], -x[1], -x[2]};
-        add_force(m, d, c, F);
+    for (int k = 0; k < jo_closed_contacts(d); k++) {
+        const jo_real *x = d->tree.contact_force + 3 * k, F[3] = {-x[0], -x[1], -x[2]};
+        add_force(m, d, jo_closed_contact(d, k), F);
     }
     for (int i = 0; i < jo_network_count(d); i++)
         for (int k = 0; k < jo_network_at(d, i)->m; k++, row++) jo_tree_push_network(m, d, jo_network_at(d, i), k, -d->tree.contact_force[row]);
@@ -137,11 +150,12 @@ static void accept_forces(const jo_model *m, jo_data *d)
 void jo_tree_contacts(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     jo_tree *t = &d->tree;
-    jo_real *x = t->contact_force, J[3];
+    jo_real *x = t->contact_force + 3 * jo_closed_contacts(d), J[3];
     if (!stage->earlier) t->contact_rows = prepare(m, d);
-    for (const jo_contact_matrix *c = jo_next_contact(d, 0); c; c = jo_next_contact(d, c), x += 3) {
+    for (int k = 0; k < jo_closed_contacts(d); k++) {
+        const jo_contact_matrix *c = jo_closed_contact(d, k);
         jo_contact_velocity(c, d->ud, J);
-        jo_mul3(x, c->G, J);
+        jo_mul3(t->contact_force + 3 * k, c->G, J);
     }
     for (int i = 0; i < jo_network_count(d); i++) {
         const jo_network *w = jo_network_at(d, i);

@@ -31,11 +31,12 @@ typedef struct {
     jo_link_response *response;   /* (nlink + 1) response to added forces */
     jo_real *joint_response;   /* (nu) response of the joints to added forces */
     jo_real *added_tau;     /* (nu) added forces along the joint coordinates, N or N m */
-    jo_real *contact_response, *contact_factors, *contact_force;   /* (n x nu), (n x n), (n) of tree_contacts.c, n: three a contact */
+    jo_real *contact_jacobian, *contact_response, *contact_factors, *contact_force;   /* (n x nu) twice, (n x n), (n) of tree_contacts.c, n: three a contact */
     int *contact_pivot, contact_rows;   /* (n) row exchanges; rows of the contacts that are closed */
     int *marker, *coordinate, *body;   /* markers, coordinates and bodies that force laws read at every evaluation */
     int nmarker, ncoordinate, nbody;
     int *hinge, nhinge;     /* links with a hinge */
+    int *of_body;           /* (nbody) link of a body; -1: none. Only if the model has links */
     int ndriven;            /* number of links with a drive */
     jo_real *maximal_copy;  /* (nq + nv) q and v computed from x and u, for comparison */
     int counts_joint_angles;   /* whether all counted angles are joint coordinates */

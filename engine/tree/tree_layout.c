@@ -15,6 +15,7 @@ static void lay_links(const jo_model *m, jo_data *d, jo_arena *a)
     t->coupling = jo_take(a, m->nlink ? (size_t)m->nlink * sizeof *t->coupling : 0);
     t->constants = jo_take(a, (size_t)m->nlink * sizeof *t->constants);
     t->hinge = jo_take(a, (size_t)m->nlink * sizeof(int));
+    t->of_body = jo_take_ints(a, m->nlink ? m->nbody : 0);
     t->marker = jo_take(a, m->nlink ? (size_t)m->nactive * sizeof(int) : 0);
     t->coordinate = jo_take(a, m->nlink ? (size_t)m->ncoordinate * sizeof(int) : 0);
     t->body = jo_take(a, m->nlink ? (size_t)m->nbody * sizeof(int) : 0);

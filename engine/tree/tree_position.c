@@ -193,6 +193,9 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
         if (type == JO_LINK_FREE || type == JO_LINK_BODY) d->x[m->link[i].x + 3] = jo_same(1.0);
     }
     set_link_constants(m, d);
+    for (int i = 0; i < m->nbody; i++) t->of_body[i] = -1;
+    for (int i = 0; i < m->nlink; i++)
+        if (m->link[i].body >= 0) t->of_body[m->link[i].body] = i;
     /* hinges, driven links, links with other children than i + 1 */
     t->nhinge = t->ndriven = 0;
     for (int i = 0; i < m->nlink; i++) {

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.mechanism import Contacts
+from jousto.mechanism import Contact, Contacts
 from jousto.model.native.header import named
 from jousto.robots import mechanism, read_mjcf, read_urdf
 
@@ -111,6 +111,39 @@ def test_bodies_without_a_joint_to_their_parent_are_one_body(tmp_path):
     assert pairs_of(machine) == set()  # only neighbours are near
 
 
+PAIRED = """<mujoco><worldbody>
+<geom name="floor" type="plane" size="1 1 1" contype="0" conaffinity="0" friction=".5"/>
+<body name="a" pos="0 0 .1"><freejoint/>
+<geom name="a" size=".1" contype="0" conaffinity="0" friction=".7"/></body>
+<body name="b" pos="1 0 .1"><freejoint/><geom name="b" size=".1" contype="0"/></body>
+</worldbody><contact><pair geom1="a" geom2="floor"{words}/>{more}</contact></mujoco>"""
+
+
+def test_a_pair_of_the_file_touches_whatever_its_masks(tmp_path):
+    """a rests on the floor, b falls through it."""
+    path = write(tmp_path / "model.xml", PAIRED.format(words="", more=""))
+    machine = mechanism(read_mjcf(path), contact=True)
+    (pair,) = [one for one in machine.forces if isinstance(one, Contact)]
+    assert (pair.name, pair.mu_kinetic) == ("a floor", 0.7)
+    run = jo.simulate(jo.compile(machine), 0.3, solver=jo.ROS2(2e-3))
+    a, b = run.q[-1, 2], run.q[-1, 9]
+    assert abs(a - 0.1) < 1e-4
+    assert b == pytest.approx(0.1 - 9.81 * 0.3**2 / 2, abs=1e-9)
+
+
+def test_friction_and_words_of_a_pair(tmp_path):
+    text = PAIRED.format(words=' friction=".3 .3" condim="3"', more="")
+    robot = read_mjcf(write(tmp_path / "model.xml", text))
+    with pytest.warns(jo.JoustoWarning, match="condim of the file are not read"):
+        machine = mechanism(robot, contact=True)
+    (pair,) = [one for one in machine.forces if isinstance(one, Contact)]
+    assert pair.mu_kinetic == 0.3
+    text = PAIRED.format(words="", more='<pair geom1="a" geom2="c"/>')
+    robot = read_mjcf(write(tmp_path / "model.xml", text))
+    with pytest.warns(jo.JoustoWarning, match="pass through each other: a - c"):
+        mechanism(robot, contact=True)
+
+
 def test_a_body_with_several_joints_does_not_touch_its_parent(tmp_path):
     """Between them is a link without mass; the shapes overlap."""
     text = """<mujoco><worldbody><body name="a" pos="0 0 1"><freejoint/><geom name="a" size=".1"/>
@@ -121,6 +154,36 @@ def test_a_body_with_several_joints_does_not_touch_its_parent(tmp_path):
         warnings.filterwarnings("ignore", ".*has no mass")
         machine = mechanism(robot, contact=True)
     assert pairs_of(machine) == set()
+
+
+HUMANOID = DATA / "humanoid.xml"
+
+
+@pytest.mark.filterwarnings("ignore:.*has no mass", "ignore:.*energy balance")
+@pytest.mark.parametrize("share", [0.0, 0.97, 1.03])
+def test_humanoid_stands_or_falls_by_its_zero_moment_point(share):
+    """With given angles, on a slope that moves the zero-moment point from the ankle to the toes.
+
+    It stands in steps of 2 ms without creep while the point is within the feet, else it falls.
+    """
+    robot = read_mjcf(HUMANOID)
+    angles = {joint.name: 0.0 for joint in robot.joints if joint.kind == "revolute"}
+    whole = mechanism(robot)
+    mass = sum(one.mass for one in whole.bodies)
+    centre = sum(one.mass * (one.position + one.center) for one in whole.bodies) / mass
+    toes = 0.17  # m
+    turn = share * np.arctan2(toes - centre[0], centre[2])
+    gravity = 9.81 * np.array([np.sin(turn), 0.0, -np.cos(turn)])
+    machine = mechanism(robot, gravity=gravity, drives=angles, contact=True)
+    t = 5.0 if share > 1 else 10.0
+    run = jo.simulate(jo.compile(machine), t, solver=jo.ROS2(2e-3), output_step=1e-2)
+    assert run.attributes["contacts"] == "missed: 0 (proven)"
+    late = run.time > t - 1.0
+    assert (run.q[-1, 2] < 0.5) == (share > 1)
+    if share < 1:
+        assert np.ptp(run.q[late][:, :3], axis=0).max() < 1e-9
+    if not share:
+        assert run.work.steps[-1] < 1.2 * t / 2e-3
 
 
 def test_larger_friction_of_both(tmp_path):

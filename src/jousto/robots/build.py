@@ -16,6 +16,7 @@ from jousto.base.numbers import number
 from jousto.mechanism.bodies.body import RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.elastic_joint import ElasticJoint
+from jousto.mechanism.forces.contact import Contact
 from jousto.mechanism.forces.contact_set import Contacts
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.forces.springs import JointForce
@@ -157,8 +158,12 @@ def mechanism(
 
 
 def contacts_of(
-    robot: Robot, bodies: Mapping[str, RigidBody], seat: Seat, gravity: Any
-) -> list[Contacts]:
+    robot: Robot,
+    bodies: Mapping[str, RigidBody],
+    seat: Seat,
+    gravity: Any,
+    name: str = "contacts",
+) -> list[Contacts | Contact]:
     """Return the contacts of a robot; warn if it has no shapes that touch."""
 
     def marker_of(link: str, one: Collision) -> Marker:
@@ -167,10 +172,10 @@ def contacts_of(
         return seat.at(at) if body is None else body.at(at.r, at.A)
 
     weight = robot.mass * float(np.linalg.norm(gravity))
-    found = robot_contacts(robot, marker_of, weight)
-    if found is None:
+    found = robot_contacts(robot, marker_of, weight, name)
+    if not found:
         warn(f"robot {robot.name!r}", "has no two shapes that touch, so that contact has no effect")
-    return [] if found is None else [found]
+    return found
 
 
 def build_robot(

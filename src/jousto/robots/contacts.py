@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from itertools import combinations_with_replacement
+from collections.abc import Callable, Mapping, Sequence
+from itertools import combinations, combinations_with_replacement
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.contacts.collision import Apart, CollisionShape, Surface, SurfacePair
 from jousto.mechanism.contacts.laws import PowerLaw
 from jousto.mechanism.contacts.pair_tables import NEITHER, tips_of_pair
+from jousto.mechanism.forces.contact import Contact
 from jousto.mechanism.forces.contact_set import Contacts
 from jousto.robots.description import Collision, Robot
 
@@ -25,13 +26,16 @@ SLOWEST = 0.1
 
 
 def robot_contacts(
-    robot: Robot, marker_of: Callable[[str, Collision], Marker], weight: float
-) -> Contacts | None:
-    """Return the contacts of a robot with itself and the world; None without two shapes.
+    robot: Robot,
+    marker_of: Callable[[str, Collision], Marker],
+    weight: float,
+    name: str = "contacts",
+) -> list[Contacts | Contact]:
+    """Return the contacts of a robot with itself and the world; none without two shapes.
 
     The stiffness is that of a depth under the weight of `DEPTH` of the smallest shape; the friction
     of a pair is the larger one of both shapes, as in MuJoCo. Pairs of kinds that cannot touch are
-    excluded, with a warning.
+    excluded, with a warning. A pair that the file names is a `Contact` of its own.
 
     Parameters
     ----------
@@ -41,14 +45,17 @@ def robot_contacts(
         Function that returns the marker of a shape on a link.
     weight : float
         Weight of the robot, N.
+    name : str
+        Name of the set, and prefix of the names of pairs.
     """
     found = [(link.name, one) for link in robot.links for one in link.collisions]
     sizes = [one.shape.size_about for _, one in found if np.isfinite(one.shape.size_about)]
     if len(found) < 2 or not sizes:
-        return None
+        return []
     if robot.untouching:
         warn("contacts", f"shapes of these kinds touch nothing: {', '.join(robot.untouching)}")
-    if unread := sorted({word for _, one in found for word in one.unread}):
+    words = {word for _, one in found for word in one.unread}
+    if unread := sorted(words | {word for pair in robot.pairs for word in pair.unread}):
         warn("contacts", f"{', '.join(unread)} of the file are not read: one law for all shapes")
     law = PowerLaw(
         max(weight, 1e-3) / (DEPTH * min(sizes)), 1.0, restitution=RESTITUTION, slowest=SLOWEST
@@ -57,20 +64,47 @@ def robot_contacts(
     shapes = [
         CollisionShape(
             one.name,
-            marker_of(name, one),
+            marker_of(link, one),
             one.shape,
             surface=surfaces[one.friction],
             group=group_of(one),
         )
-        for name, one in found
+        for link, one in found
     ]
     pairs = [
         SurfacePair(surfaces[a].name, surfaces[b].name, mu_kinetic=max(a, b))
         for a, b in combinations_with_replacement(sorted(surfaces), 2)
         if a != b
     ]
+    single = paired(robot, {one.name: one for one in shapes}, law)
     apart = [*excluded_groups([one for _, one in found]), *excluded_links(robot, found)]
-    return Contacts("contacts", shapes, law=law, pairs=pairs, apart=apart, overlap="start")
+    apart += [Apart(pair.a, pair.b) for pair in robot.pairs if {pair.a, pair.b} <= known(found)]
+    whole = Contacts(name, shapes, law=law, pairs=pairs, apart=apart, overlap="start")
+    return [whole, *single]
+
+
+def known(found: Sequence[tuple[str, Collision]]) -> set[str]:
+    """Return the names of shapes."""
+    return {one.name for _, one in found}
+
+
+def paired(
+    robot: Robot, shapes: Mapping[str, CollisionShape], law: PowerLaw, prefix: str = ""
+) -> list[Contact]:
+    """Return a contact for each pair that the file names; warn of those that cannot touch."""
+    friction = {one.name: one.friction for link in robot.links for one in link.collisions}
+    made, left_out = [], []
+    for pair in robot.pairs:
+        a, b = shapes.get(pair.a), shapes.get(pair.b)
+        if a is None or b is None or tips_of_pair(a.shape, b.shape) == NEITHER:
+            left_out.append(f"{pair.a} - {pair.b}")
+            continue
+        mu = max(friction[pair.a], friction[pair.b]) if pair.friction is None else pair.friction
+        label = f"{prefix}{pair.a} {pair.b}"
+        made.append(Contact(label, a.marker, a.shape, b.marker, b.shape, law, mu_kinetic=mu))
+    if left_out:
+        warn("contacts", f"these pairs of the file pass through each other: {', '.join(left_out)}")
+    return made
 
 
 def group_of(one: Collision) -> str:
@@ -96,6 +130,19 @@ def excluded_groups(shapes: Sequence[Collision]) -> list[Apart]:
     if found := sorted(left_out - {planes}):
         warn("contacts", f"these kinds of shapes pass through each other: {', '.join(found)}")
     return apart
+
+
+def excluded_shapes(robot: Robot) -> list[tuple[str, str]]:
+    """Return the pairs of shapes that never touch: by masks, kinds, or excluded bodies."""
+    found = [one for link in robot.links for one in link.collisions]
+    bodies = {frozenset(pair) for pair in (*robot.apart, *neighbours(robot))}
+    pairs = []
+    for one, other in combinations(found, 2):
+        masked = not (one.type_bits & other.affinity or other.type_bits & one.affinity)
+        neither = tips_of_pair(one.shape, other.shape) == NEITHER
+        if masked or neither or frozenset((one.body, other.body)) in bodies:
+            pairs.append((one.name, other.name))
+    return pairs
 
 
 def excluded_links(robot: Robot, found: Sequence[tuple[str, Collision]]) -> list[Apart]:

@@ -74,6 +74,26 @@ class Collision:
     unread: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class ShapePair:
+    """Pair of shapes that the file names: they touch whatever their masks and bodies are.
+
+    Parameters
+    ----------
+    a, b : str
+        Names of the shapes.
+    friction : float or None
+        Coefficient of friction; None: the larger one of both shapes.
+    unread : tuple of str
+        Words of the file on the pair that are not read.
+    """
+
+    a: str
+    b: str
+    friction: float | None = None
+    unread: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Link:
     """Rigid link of a robot.
@@ -284,6 +304,8 @@ class Robot:
         Motors and servos.
     apart : tuple of (str, str)
         Bodies of the file that do not touch each other.
+    pairs : tuple of ShapePair
+        Pairs of shapes that touch in any case.
     untouching : tuple of str
         Kinds of shapes of the file that would touch, but are not read.
     """
@@ -298,6 +320,7 @@ class Robot:
     loops: tuple[RobotJoint, ...] = ()
     actuators: tuple[Actuator, ...] = ()
     apart: tuple[tuple[str, str], ...] = ()
+    pairs: tuple[ShapePair, ...] = ()
     untouching: tuple[str, ...] = ()
 
     def __repr__(self) -> str:

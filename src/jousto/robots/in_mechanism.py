@@ -16,8 +16,10 @@ from jousto.mechanism.assembly import Assembly
 from jousto.mechanism.bodies.base import ZERO3, Orientation
 from jousto.mechanism.bodies.body import Ground, RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.contacts.collision import Apart, CollisionShape
 from jousto.robots.actuators import with_actuators
-from jousto.robots.build import build_robot, by_joint, check_joints
+from jousto.robots.build import build_robot, by_joint, check_joints, contacts_of
+from jousto.robots.contacts import excluded_shapes
 from jousto.robots.description import Frame, Robot
 from jousto.robots.joint_limits import RESTITUTION
 from jousto.robots.readers.files import read_robot
@@ -94,7 +96,9 @@ class RobotInMechanism(Assembly, section="robots"):
     It is an argument of `Mechanism` like a body; the names of its bodies, joints and forces have
     its prefix: ``arm_elbow``. Joint coordinates are those of its file. Gravity is that of the
     machine; gravity compensation is for the gravity of the file. Stops, losses, rotors and
-    actuators are those of `mechanism`. ``robot["tool"]`` is the marker of a link or a named frame,
+    actuators are those of `mechanism`. With ``contact`` its links touch one another and the planes
+    of its file; for contact with the rest of the machine pass `shapes` and `apart` to one
+    `Contacts`. ``robot["tool"]`` is the marker of a link or a named frame,
     by its name in the file, with the axes of the file.
 
     Attributes
@@ -162,6 +166,11 @@ class RobotInMechanism(Assembly, section="robots"):
         default=True,
         kw_only=True,
     )
+    contact: Flag = field(
+        "Whether its links touch one another and the planes of its file",
+        default=False,
+        kw_only=True,
+    )
     at: AnyField = field(
         "Initial coordinates of joints by their names in the file, rad or m; by default zero, or "
         "the limit nearest to it",
@@ -217,8 +226,35 @@ class RobotInMechanism(Assembly, section="robots"):
         for key, value in kept.items():
             frozen = Frozen(value) if isinstance(value, dict) else value
             object.__setattr__(self, key, frozen)
-        object.__setattr__(self, "items", made.items)
         object.__setattr__(self, "_seat", seat)
+        named = with_prefix(robot, prefix)
+        touch = (
+            contacts_of(named, made.bodies, seat, robot.gravity, f"{prefix}contacts")
+            if self.contact
+            else []
+        )
+        object.__setattr__(self, "items", (*made.items, *touch))
+
+    @property
+    def shapes(self) -> tuple[CollisionShape, ...]:
+        """Shapes of its links, of the group of its name, for `Contacts` of the machine."""
+        seat: Seat = vars(self)["_seat"]
+        found = []
+        for link in self.robot.links:
+            body = self.bodies.get(link.name)
+            for one in link.collisions:
+                at = one.frame
+                marker = seat.at(at) if body is None else body.at(at.r, at.A)
+                name = f"{self.prefix}{one.name}"
+                found.append(CollisionShape(name, marker, one.shape, group=self.name))
+        return tuple(found)
+
+    @property
+    def apart(self) -> tuple[Apart, ...]:
+        """Pairs of its shapes that never touch, by the masks and excluded pairs of its file."""
+        return tuple(
+            Apart(f"{self.prefix}{a}", f"{self.prefix}{b}") for a, b in excluded_shapes(self.robot)
+        )
 
     @property
     def frames(self) -> tuple[str, ...]:

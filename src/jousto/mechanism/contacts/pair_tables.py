@@ -15,6 +15,7 @@ from jousto.mechanism.contacts.ellipsoid import Ellipsoid
 from jousto.mechanism.contacts.laws import ContactLaw, Hertz
 from jousto.mechanism.contacts.shapes import (
     Capsule,
+    ConvexHull,
     Cuboid,
     Cylinder,
     Shape,
@@ -24,10 +25,12 @@ from jousto.mechanism.contacts.shapes import (
     touching,
 )
 
-KINDS = 9
+KINDS = 11
 """Number of types of shapes in ``jo_shape_type`` of the engine."""
-NEITHER, SECOND, FIRST = 0, 1, 2
-"""Which shape of a pair has the tips that touch the other one."""
+HULL, SURFACE = 9, 10
+"""Types of a shape that is only a polytope, and of one of triangles, which touches nothing."""
+NEITHER, SECOND, FIRST, CONVEX = 0, 1, 2, 3
+"""Which shape of a pair has the tips that touch the other one; `CONVEX`: they are polytopes."""
 
 
 def span(exponent: float) -> float:
@@ -35,6 +38,12 @@ def span(exponent: float) -> float:
     n = exponent
     c = sqrt(pi) * gamma(1.0 + 1.0 / (n + 1.0)) / gamma(0.5 + 1.0 / (n + 1.0))
     return float(2.0 * c * (0.5 * (n + 1.0)) ** (1.0 / (n + 1.0)))
+
+
+def inner_radius(shape: ConvexHull) -> float:
+    """Return the radius of the largest sphere about the mean of the vertices in a hull, m."""
+    planes = shape.polytope.planes
+    return float((planes[:, 3] - planes[:, :3] @ shape.polytope.vertices.mean(axis=0)).min())
 
 
 def tip_reach(tip: Tip) -> float:
@@ -57,6 +66,8 @@ def curvatures(shape: Shape) -> tuple[float, float]:
         return 0.0, 1.0 / min(shape.size)
     if isinstance(shape, Cylinder):
         return 0.5 / shape.radius, 1.0 / min(shape.size)
+    if isinstance(shape, ConvexHull):
+        return 0.0, 1.0 / inner_radius(shape)
     if isinstance(shape, Torus):
         mean = 0.5 / (shape.tube or shape.radius) + 0.5 / (shape.radius + shape.tube)
         return mean, mean
@@ -69,23 +80,56 @@ def curvatures(shape: Shape) -> tuple[float, float]:
     return (-0.5 if shape.hollow else 0.5) / radius, 0.0
 
 
+def type_of(shape: Shape) -> int:
+    """Return the type of a shape in ``jo_shape_type`` of the engine."""
+    if shape.mesh is not None:
+        return SURFACE
+    return shape.code if shape.code >= 0 else HULL
+
+
 def tips_of_pair(first: Shape, second: Shape) -> int:
-    """Return which shape of a pair has the tips that touch the other one, or `NEITHER`."""
-    if min(first.code, second.code) < 0:  # polytopes have no distance to a place
+    """Return how two shapes touch: which one has the tips, as polytopes, or `NEITHER`."""
+    if first.mesh is not None or second.mesh is not None:
         return NEITHER
     if touching(first, second) is not None:
         return SECOND
-    return FIRST if touching(second, first) is not None else NEITHER
+    if touching(second, first) is not None:
+        return FIRST
+    both = all(one.polytope is not None for one in (first, second))
+    return CONVEX if both and not (first.hollow and second.hollow) else NEITHER
 
 
 def touching_table(shapes: Iterable[Shape]) -> Array:
     """Return `tips_of_pair` (KINDS, KINDS) of the kinds of shapes that there are."""
-    kinds = {shape.code: shape for shape in shapes if shape.code >= 0}
+    kinds = {type_of(shape): shape for shape in shapes}
     found = np.zeros((KINDS, KINDS))
     for i, first in kinds.items():
         for j, second in kinds.items():
             found[i, j] = tips_of_pair(first, second)
     return found
+
+
+def polytope_numbers(shapes: Sequence[Shape], used: Sequence[bool]) -> tuple[Array, list[int]]:
+    """Return the numbers of the polytopes for the engine, and the place of those of each shape.
+
+    Equal shapes share their numbers; a shape that is not used has the place -1.
+    """
+    parts: list[Array] = []
+    known: dict[tuple[Any, ...], int] = {}
+    places, end = [], 0
+    for shape, needed in zip(shapes, used, strict=True):
+        if not needed:
+            places.append(-1)
+            continue
+        points = shape.points.tobytes() if isinstance(shape, ConvexHull) else b""
+        key = type(shape), shape.size, points
+        if key not in known:
+            assert shape.polytope is not None
+            known[key] = end
+            parts.append(shape.polytope.numbers)
+            end += len(parts[-1])
+        places.append(known[key])
+    return np.concatenate([np.zeros(0), *parts]), places
 
 
 def law_row(law: ContactLaw, friction: tuple[float, float], shear: float) -> Array:
@@ -105,22 +149,23 @@ def law_row(law: ContactLaw, friction: tuple[float, float], shear: float) -> Arr
 def shape_rows(
     shapes: Sequence[CollisionShape],
     markers: Sequence[int],
+    polytopes: Sequence[int],
     surfaces: Sequence[int],
     groups: Sequence[int],
 ) -> tuple[Array, Array]:
-    """Return rows of the shapes (ns, 14) and of their tips (nt, 7) as in the engine."""
-    rows = np.zeros((len(shapes), 14))
+    """Return rows of the shapes (ns, 15) and of their tips (nt, 7) as in the engine."""
+    rows = np.zeros((len(shapes), 15))
     tips: list[tuple[float, ...]] = []
     for i, one in enumerate(shapes):
         shape = one.shape
         far = max((tip_reach(tip) for tip in shape.tips), default=0.0)
         size = (*shape.size, 0.0, 0.0, 0.0)[:3]
         rows[i] = (
-            *(markers[i], shape.code, *size, reach(shape), len(tips), len(shape.tips)),
+            *(markers[i], type_of(shape), *size, reach(shape), len(tips), len(shape.tips)),
             *curvatures(shape),
             mobility(one.marker, hypot(*shape.size)),
             mobility(one.marker, far),
-            *(surfaces[i], groups[i]),
+            *(polytopes[i], surfaces[i], groups[i]),
         )
         tips += [(i, *tip.centre, tip.radius, tip.ring, tip.place) for tip in shape.tips]
     return rows, np.array(tips, dtype=float).reshape(-1, 7)

@@ -400,7 +400,7 @@ class ShapeField(Nested[Shape, Shape]):
 
 def reach(shape: Shape) -> float:
     """Return the distance from the marker to the farthest place of a shape, m; -1 without end."""
-    if isinstance(shape, Cylinder | Cuboid):
+    if isinstance(shape, Cylinder | Cuboid | ConvexHull):
         return float(hypot(*shape.size))
     if isinstance(shape, Sphere | Capsule | Torus):
         return float(sum(shape.size))

@@ -45,7 +45,7 @@ RESOLVES = (
 """Description of the field `resolve`."""
 
 
-def _point_states(points: int) -> dict[str, str]:
+def point_states(points: int) -> dict[str, str]:
     """Units of the states by name; those of the second point end with 2, and so on."""
     return {
         f"{key} {i + 1}" if i else key: unit
@@ -67,7 +67,7 @@ EngineLaw(
     "contact pair",
     units={"mu_static": "1", "mu_kinetic": "1"},
     constants=LAW_NUMBERS,
-    states=_point_states(POINTS),
+    states=point_states(POINTS),
     between=True,
     fast={"contacts": ()},
     yields=True,
@@ -273,7 +273,7 @@ class Contact(ForceElement, tag="contact"):
             rest=((on.mesh or on.polytope).numbers, of.polytope.numbers),  # type: ignore[union-attr]
             a=a,
             b=b,
-            states=tuple(_point_states(most_points(on, of))),
+            states=tuple(point_states(most_points(on, of))),
             thickness=self._thickness,
             restitution=self.law.asked,
         )

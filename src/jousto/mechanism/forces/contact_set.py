@@ -24,28 +24,32 @@ from jousto.mechanism.contacts.collision import (
 )
 from jousto.mechanism.contacts.friction import default_static
 from jousto.mechanism.contacts.laws import ContactLaw
+from jousto.mechanism.contacts.meetings import Meetings, check_kinds, meetings
 from jousto.mechanism.contacts.pair_tables import (
-    NEITHER,
     coupled_bodies,
     excluded_keys,
     group_table,
     joined_bodies,
     law_row,
     pair_text,
+    polytope_numbers,
     shape_rows,
-    tips_of_pair,
     touching_table,
 )
+from jousto.mechanism.contacts.pairing import POINTS
 from jousto.mechanism.forces.base import ForceElement, Packed, Push
-from jousto.mechanism.forces.contact import RESOLVE, RESOLVES, SHEAR, STATES, check_restitution
+from jousto.mechanism.forces.contact import RESOLVE, RESOLVES, SHEAR, STATES, check_restitution, point_states
 from jousto.mechanism.forces.law import EngineLaw
 
-SLOT = {"touched": "1", "tip": "1"} | STATES
-"""Shape that is touched + 1, tip + 1, both 0 if the slot is free; then the states of a contact."""
+SLOT = {"touched": "1", "tip": "1"}
+"""Shape that is touched + 1, tip or other shape + 1, both 0 if the slot is free; then the states
+of a contact."""
 LEAST_SLOTS = 16
 """Smallest number of slots where `most` is not given."""
 SLOTS_EACH = 2
 """Slots for each tip of a shape where `most` is not given."""
+PAIRS_EACH = 3
+"""Slots for pairs of polytopes for each of these where `most` is not given."""
 IMPLICIT = 150
 """Largest number of bodies that touch one another with an implicit method."""
 LISTED = 12
@@ -55,14 +59,14 @@ SHOWN = 3
 
 EngineLaw(
     "contact set",
-    constants=("shapes", "tips", "surfaces", "groups", "excluded", "slots", "resolve"),
+    constants=("shapes", "tips", "surfaces", "groups", "excluded", "slots", "pairs", "resolve"),
     between=True,
     fast={"contacts": ()},
 ).declared()
 EngineLaw(
     "contact slot",
     constants=("set", "number"),
-    states=SLOT,
+    states=SLOT | point_states(POINTS),
     between=True,
     fast={"contacts": ()},
     yields=True,
@@ -184,7 +188,7 @@ class Contacts(ForceElement, tag="contacts"):
         if problems.found:
             return
         self._check_laws(problems, where)
-        self._check_kinds(problems, where)
+        check_kinds(problems, where, self.shapes, self.apart)
 
     def _check_names(self, problems: Problems, where: str) -> None:
         seen: set[str] = set()
@@ -229,33 +233,6 @@ class Contacts(ForceElement, tag="contacts"):
                     where, f"{named}: mu_static {static:g} is below mu_kinetic {kinetic:g}"
                 )
 
-    def _check_kinds(self, problems: Problems, where: str) -> None:
-        """Report pairs of kinds of shapes that are not available, once for each pair of kinds."""
-        named = {name for pair in self.apart for name in (pair.a, pair.b)}
-        kinds: dict[Any, tuple[CollisionShape, set[int]]] = {}
-        for one in self.shapes:
-            key = one.group, type(one.shape), one.name if one.name in named else ""
-            kinds.setdefault(key, (one, set()))[1].add(id(one.marker.body))
-        excluded = {frozenset((pair.a, pair.b)) for pair in self.apart}
-        reported: set[frozenset[str]] = set()
-        for first, some in kinds.values():
-            for second, others in kinds.values():
-                tags = frozenset((first.shape.tag, second.shape.tag))
-                if tags in reported or len(some | others) < 2:
-                    continue
-                labels = ((a, b) for a in labels_of(first) for b in labels_of(second))
-                if any(frozenset(pair) in excluded for pair in labels):
-                    continue
-                if tips_of_pair(first.shape, second.shape) == NEITHER:
-                    reported.add(tags)
-                    problems.add(
-                        where,
-                        f"{first.shape.tag} and {second.shape.tag} cannot touch in this version "
-                        f"({first.name!r} and {second.name!r}); exclude them with Apart, or take "
-                        "spheres at the places that touch",
-                        "shapes",
-                    )
-
     # -- tables ------------------------------------------------------------------------------
 
     @property
@@ -293,13 +270,26 @@ class Contacts(ForceElement, tag="contacts"):
                 law, friction = pair.law_or(law), pair.friction_or(friction)
         return PairLaw(law, friction)
 
+    @cached_property
+    def _meetings(self) -> Meetings:
+        return meetings([one.shape for one in self.shapes])
+
     @property
     def slots(self) -> int:
-        """Largest number of pairs that are near at a time."""
-        if self.most is not None:
+        """Largest number of spheres, corners and ends that are near a shape at a time."""
+        tips, others = self._meetings.tips, len(self.shapes) - 1
+        return self._most(tips, SLOTS_EACH, tips * others)
+
+    @property
+    def convex(self) -> int:
+        """Largest number of pairs of polytopes that are near at a time."""
+        n = sum(self._meetings.convex)
+        return self._most(n, PAIRS_EACH, n * (n - 1) // 2)
+
+    def _most(self, count: int, each: int, all_of_them: int) -> int:
+        if count and self.most is not None:
             return self.most
-        tips = sum(len(one.shape.tips) for one in self.shapes)
-        return min(tips * (len(self.shapes) - 1), max(LEAST_SLOTS, SLOTS_EACH * tips))
+        return min(all_of_them, max(LEAST_SLOTS, each * count))
 
     @property
     def facts(self) -> list[tuple[str, str]]:
@@ -309,7 +299,8 @@ class Contacts(ForceElement, tag="contacts"):
         rows = [
             (
                 f"contacts {self.name}",
-                f"{shapes}, up to {self.slots} pairs at a time; bodies with a joint {joints}",
+                f"{shapes}, up to {self.slots + self.convex} pairs at a time; bodies with a joint "
+                f"{joints}",
             )
         ]
         sizes = Counter(one.group for one in self.shapes)
@@ -349,8 +340,12 @@ class Contacts(ForceElement, tag="contacts"):
     @property
     def pushes(self) -> tuple[Push, ...]:
         """The set, and its slots."""
-        slot = Push("contact slot", {}, states=tuple(SLOT), numbers=partial(_slot_numbers, self))
-        return (Push("contact set", {}, numbers=self._numbers), *[slot] * self.slots)
+        numbers = partial(_slot_numbers, self)
+        slot = Push("contact slot", {}, states=tuple(SLOT | STATES), numbers=numbers)
+        states = tuple(SLOT | point_states(self._meetings.points))
+        pair = Push("contact slot", {}, states=states, numbers=numbers)
+        whole = Push("contact set", {}, numbers=self._numbers)
+        return (whole, *[slot] * self.slots, *[pair] * self.convex)
 
     def _numbers(self, builder: Any) -> Packed:
         """Return the numbers of the set: sizes, then its tables as in the engine."""
@@ -359,9 +354,10 @@ class Contacts(ForceElement, tag="contacts"):
         names = list(self.surfaces)
         index = {name: i for i, name in enumerate(names)}
         kinds = [index["" if x.surface is None else x.surface.name] for x in self.shapes]
-        rows, tips = shape_rows(
-            self.shapes, places, kinds, [self.groups[one.group] for one in self.shapes]
-        )
+        shapes = [one.shape for one in self.shapes]
+        polytopes, starts = polytope_numbers(shapes, self._meetings.convex)
+        groups = [self.groups[one.group] for one in self.shapes]
+        rows, tips = shape_rows(self.shapes, places, starts, kinds, groups)
         laws = np.zeros((len(names), len(names), 12))
         for (a, b), pair in self.laws.items():
             numbers = law_row(pair.law, pair.friction, self.shear)
@@ -369,9 +365,9 @@ class Contacts(ForceElement, tag="contacts"):
         meets = group_table(self.groups, self.apart)
         joined = [] if self.joined else joined_bodies(builder.joined_bodies())
         apart = excluded_keys(self.shapes, self.groups, self.apart, joined, body_of)
-        sizes = (len(rows), len(tips), len(names), len(meets), len(apart), self.slots)
+        sizes = (len(rows), len(tips), len(names), len(meets), len(apart), self.slots, self.convex)
         how = RESOLVE.index(self.resolve)
-        touching = touching_table(one.shape for one in self.shapes)
+        touching = touching_table(shapes)
         parts: list[Array] = [
             np.array((*sizes, how), dtype=float),
             rows,
@@ -380,6 +376,7 @@ class Contacts(ForceElement, tag="contacts"):
             touching,
             meets,
             apart,
+            polytopes,
         ]
         coupled = coupled_bodies(rows, meets, body_of)
         return Packed(
@@ -387,7 +384,7 @@ class Contacts(ForceElement, tag="contacts"):
             touches=tuple(places),
             coupled=tuple(tuple(sorted(some)) for some in coupled if len(some) <= IMPLICIT),
             dense=max((len(some) for some in coupled if len(some) > IMPLICIT), default=0),
-            slots=self.slots,
+            slots=self.slots + self.convex,
             shapes=tuple(one.name for one in self.shapes),
             sizes=tuple(x if x < inf else 0.0 for x in (one.size for one in self.shapes)),
             surfaces=tuple(kinds),
@@ -401,11 +398,6 @@ def _slot_numbers(contacts: Contacts, builder: Any) -> Packed:
     """Return the numbers of a slot: the forces of its set and of itself."""
     place = builder.force_places[id(contacts)]
     return Packed(np.array([place, len(builder.forces)], dtype=float))
-
-
-def labels_of(one: CollisionShape) -> tuple[str, str]:
-    """Return the names by which `Apart` refers to a shape."""
-    return one.name, one.group
 
 
 def _some(names: list[str]) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from jousto.base.arguments import explained
-from jousto.robots.description import Actuator, Frame, Link, Robot
+from jousto.robots.description import Actuator, Frame, Link, Robot, ShapePair
 from jousto.robots.kinematics.tree import Tree
 from jousto.robots.readers import checks
 from jousto.robots.readers.meshes import Folders
@@ -22,7 +22,7 @@ from jousto.robots.readers.mjcf_ties import (
     read_ties,
     with_loop_joints,
 )
-from jousto.robots.readers.mjcf_words import CONTACT, PAIRS
+from jousto.robots.readers.mjcf_words import CONTACT, PAIR_WORDS
 from jousto.robots.readers.xml import Reading, parse_file
 
 
@@ -76,6 +76,7 @@ def read_mjcf(
         reading.finish()
     found = Collected(links=[Link("world", where=reading.where(root, "world"))])
     bodies = Bodies(reading, root, Folders(path, None), found, draw=meshes, above=(path.resolve(),))
+    found.paired |= {name for one in pairs_of(bodies) for name in (one.a, one.b)}
     for section in bodies.root.all("worldbody"):
         bodies.contents(section, found.links[0], Frame(), "main", moving=False)
     models = [bodies, *bodies.attached]
@@ -86,6 +87,7 @@ def read_mjcf(
         touching = tuple(found.collisions.get(link.name, ()))
         found.links[i] = replace(link, collisions=touching)
     apart = tuple(pair for one in models for pair in excluded_bodies(one))
+    pairs = tuple(pair for one in models for pair in pairs_of(one))
     note_contact(reading, models, found)
     name = root.given.get("model", path.stem)
 
@@ -95,6 +97,7 @@ def read_mjcf(
             with_loop_joints(bodies, made, ties),
             actuators=with_damping_ratios(made, motors),
             apart=apart,
+            pairs=pairs,
             untouching=tuple(sorted(set(found.untouching))),
         )
 
@@ -118,6 +121,20 @@ def excluded_bodies(model: Bodies) -> list[tuple[str, str]]:
     return [(a, b) for a, b in found]
 
 
+def pairs_of(model: Bodies) -> list[ShapePair]:
+    """Return the pairs of geoms in the ``<pair>`` elements of a model."""
+    if {"contact", "constraint"} & model.settings.off:
+        return []
+    pairs = []
+    for element in (x for section in model.root.all("contact") for x in section.all("pair")):
+        a, b = (model.prefix + element.given.get(key, "") for key in ("geom1", "geom2"))
+        slide = model.reading.list(element, "friction") if "friction" in element.given else None
+        friction = None if slide is None or not len(slide) else float(slide[0])
+        unread = tuple(word for word in PAIR_WORDS if word in element.given)
+        pairs.append(ShapePair(a, b, friction, unread))
+    return pairs
+
+
 def weigh(found: Collected, total: float) -> None:
     """Scale the masses of all bodies to a total, kg, and set their gravity compensation."""
     mass = sum(link.mass for link in found.links)
@@ -132,9 +149,10 @@ def weigh(found: Collected, total: float) -> None:
 def note_contact(reading: Reading, models: list[Bodies], found: Collected) -> None:
     """Add one warning if geoms of different bodies could touch, since contact is off by default."""
     for model in models:
-        for pair in (pair for section in model.root.all("contact") for pair in section.all("pair")):
-            if not {"contact", "constraint"} & model.settings.off:
-                reading.effect(pair, "<pair>", PAIRS)
+        elements = [x for section in model.root.all("contact") for x in section.all("pair")]
+        if elements and not {"contact", "constraint"} & model.settings.off:
+            reading.effect(elements[0], "<pair>", CONTACT)
+            return
     above = {joint.child: joint for joint in found.joints}
 
     def home(name: str) -> str:

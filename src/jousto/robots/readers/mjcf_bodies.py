@@ -170,7 +170,8 @@ class Bodies:
             return
         masks = [int(self.reading.number(given, key, 1.0)) for key in ("contype", "conaffinity")]
         kind = given.given.get("type", "sphere")
-        if masks == [0, 0]:
+        named = self.prefix + given.given.get("name", "") in self.found.paired
+        if masks == [0, 0] and not named:
             return
         if "mesh" in given.given or (kind not in SIZES and kind != "plane"):
             self.found.untouching.append(kind if "mesh" not in given.given else "mesh")

@@ -39,6 +39,8 @@ class Collected:
         Geoms that can touch, with body, ``contype`` and ``conaffinity``.
     collisions : dict of str to list of Collision
         Shapes that can touch, by link.
+    paired : set of str
+        Names of geoms in ``<pair>`` elements, which touch without masks.
     untouching : list of str
         Kinds of geoms that would touch, but cannot.
     """
@@ -53,6 +55,7 @@ class Collected:
     names: set[str] = field(default_factory=set)
     touching: list[tuple[Element, str, int, int]] = field(default_factory=list)
     collisions: dict[str, list[Collision]] = field(default_factory=dict)
+    paired: set[str] = field(default_factory=set)
     untouching: list[str] = field(default_factory=list)
     count: dict[str, int] = field(default_factory=dict)
 

@@ -11,7 +11,8 @@ CONTACT = (
     "contact is off: bodies that touch pass through each other; contact=True of robots.mechanism "
     "turns it on"
 )
-PAIRS = "is not read: with contact=True the masks of the geoms decide which of them touch"
+PAIR_WORDS = ("condim", "solref", "solreffriction", "solimp", "margin", "gap")
+"""Words of ``<pair>`` that are not read."""
 SOFT = "the softness of constraints is not read: limits are stops, and ties are rigid"
 MEDIUM = "drag and lift of the medium are left out: bodies move as in a vacuum"
 FRAME = "the frame of a free body is its place in the file, from which its coordinates count"
