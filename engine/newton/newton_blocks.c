@@ -53,7 +53,7 @@ int jo_newton_couples(const jo_model *m, int x, int y)
     return p == q || branch_to(m, p < q ? p : q, p < q ? q : p) >= 0;
 }
 
-static void zero(jo_real *x, int count)
+static void set_zeros(jo_real *x, int count)
 {
     for (int i = 0; i < count; i++) x[i] = jo_same(0.0);
 }
@@ -61,18 +61,18 @@ static void zero(jo_real *x, int count)
 void jo_newton_clear(const jo_model *m, jo_data *d)
 {
     if (!d->newton.sparse) {
-        zero(d->newton.N, m->nnewton);
+        set_zeros(d->newton.N, m->nnewton);
         return;
     }
     for (int c = 0; c < m->nnode; c++) {
         const jo_node *node = &m->node[c];
-        zero(d->newton.N + node->diagonal, node->size * jo_pad(node->size));
+        set_zeros(d->newton.N + node->diagonal, node->size * jo_pad(node->size));
         for (int b = node->first; b < node->first + node->count; b++) {
             const jo_branch *branch = &m->branch[b];
             if (!d->newton.used[b]) continue;
             d->newton.used[b] = 0;
-            zero(d->newton.N + branch->lower, branch->width * jo_pad(node->size));
-            zero(d->newton.N + branch->upper, node->size * jo_pad(branch->width));
+            set_zeros(d->newton.N + branch->lower, branch->width * jo_pad(node->size));
+            set_zeros(d->newton.N + branch->upper, node->size * jo_pad(branch->width));
         }
     }
 }
