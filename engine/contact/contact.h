@@ -202,7 +202,7 @@ void jo_mesh_point_feature(const jo_mesh *m, const jo_polytope *b, const jo_real
 /* separation.c */
 void jo_separation(const jo_polytope *a, const jo_polytope *b, const jo_separated *before, jo_separated *y);   /* before: where it was found, or NULL */
 
-/* whether two features, of this code, are still the closest ones, with their distance; else y->gap is not larger than the distance */
+/* whether the planes and lines of two features, of this code, separate both polytopes; y->gap is then not larger than their distance */
 int jo_still_separated(const jo_polytope *a, const jo_polytope *b, double code, const jo_real *r, const jo_real *R, jo_separated *y);
 /* code of the closest features of polytopes that are apart; 0: none */
 double jo_separation_code(const jo_separated *s);

@@ -65,13 +65,14 @@ static double separate_from(pair *p, const jo_separated *before, jo_separated *s
     return s->gap - jo_pair_radii(p);
 }
 
-/* signed distance, m, with the features of the last step first */
+/* signed distance, m, or less if the features of the last step show that they are apart: where these are not the closest ones any more, the
+ * distance of their planes and lines is smaller than that of the shapes */
 static double separate(pair *p, const jo_real *state, jo_separated *s)
 {
     const double code = p->mesh.triangles ? 0.0 : fabs(JO_RE(state[JO_PAIR_CODE]));
     jo_polytope_place(&p->a, 0, 0);
     jo_polytope_place(&p->b, p->r, p->R);
-    if (code > 0.0 && jo_still_separated(&p->a, &p->b, code, p->r, p->R, s)) return s->gap - jo_pair_radii(p);
+    if (code > 0.0 && jo_still_separated(&p->a, &p->b, code, p->r, p->R, s) && s->gap > jo_pair_radii(p)) return s->gap - jo_pair_radii(p);
     return separate_from(p, 0, s);
 }
 

@@ -86,6 +86,20 @@ def test_same_motion_as_one_contact_a_pair(core, solver):
     assert found[0][:, -1, 2].min() > -0.01
 
 
+@pytest.mark.parametrize("solver", [jo.RK4(1e-3), jo.ROS2(1e-3)])
+def test_same_impulses_as_one_contact_a_pair(solver):
+    law = PowerLaw(1e6, restitution=0.5)
+    found = []
+    for declare in (as_set, as_pairs):
+        parts = thrown()
+        touch = declare(HalfSpace(), parts, law, mu_kinetic=0.3, resolve="impulse")
+        model = jo.compile(jo.Mechanism(*(body for body, _ in parts), *touch, GRAVITY))
+        run = jo.simulate(model, 0.6, solver=solver)
+        found.append([(x.time, x.impulse) for x in run.events if x.change == "closes"])
+    assert len(found[0]) > 5
+    assert np.allclose(*found, rtol=1e-7, atol=0)
+
+
 def stacked(count: int) -> list[Part]:
     """Boxes of 2 kg on each other, at rest on springs of 4e6 N/m."""
     z, parts = 0.0, []
@@ -237,4 +251,4 @@ def test_equal_shapes_share_their_numbers():
         named = shapes_of([(b, Cuboid((0.1, 0.1, 0.1))) for b in boxes])
         model = jo.compile(jo.Mechanism(*boxes, Contacts("c", named, law=PowerLaw(1e6))))
         sizes.append(np.size(model.forces[0].data))
-    assert sizes[1] - sizes[0] == 10 * (15 + 8 * 6)
+    assert sizes[1] - sizes[0] == 10 * (15 + 8 * 7)

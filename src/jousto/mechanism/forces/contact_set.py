@@ -38,7 +38,14 @@ from jousto.mechanism.contacts.pair_tables import (
 )
 from jousto.mechanism.contacts.pairing import POINTS
 from jousto.mechanism.forces.base import ForceElement, Packed, Push
-from jousto.mechanism.forces.contact import RESOLVE, RESOLVES, SHEAR, STATES, check_restitution, point_states
+from jousto.mechanism.forces.contact import (
+    RESOLVE,
+    RESOLVES,
+    SHEAR,
+    STATES,
+    check_restitution,
+    point_states,
+)
 from jousto.mechanism.forces.law import EngineLaw
 
 SLOT = {"touched": "1", "tip": "1"}

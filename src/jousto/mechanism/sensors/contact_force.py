@@ -12,9 +12,10 @@ from jousto.base.numbers import OptionalNumber, OptionalValues
 from jousto.mechanism.bodies.marker import Marker, OptionalMarker
 from jousto.mechanism.contacts.hertz import HertzScale, line_scale, point_scale
 from jousto.mechanism.contacts.laws import Hertz
+from jousto.mechanism.contacts.meetings import labels_of
 from jousto.mechanism.contacts.shapes import Cylinder, HalfSpace, Shape, Torus
 from jousto.mechanism.forces.contact import Contact
-from jousto.mechanism.forces.contact_set import Contacts, labels_of
+from jousto.mechanism.forces.contact_set import Contacts
 from jousto.mechanism.sensors.base import Reading, Sensor
 from jousto.mechanism.sensors.loads import FORCE, MOMENT, SUM_PAIR, SUM_PRESSURE, SUM_ROW
 from jousto.mechanism.sensors.motion import frame_name
