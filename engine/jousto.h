@@ -384,6 +384,7 @@ typedef struct {
 /* Event: a sensor value crosses a threshold. */
 typedef struct {
     int output;             /* index in the sensor vector */
+    int others;             /* bit k: output + 1 + k belongs to it too, and the size of all these is watched; 0: one value */
     int direction;          /* crossings that count: 1 rising, -1 falling, 0 both */
     int stop;               /* whether jo_run ends and returns JO_EVENT */
     double threshold;       /* unit of the sensor value */

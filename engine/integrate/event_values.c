@@ -49,6 +49,17 @@ static int yielding_margins(const jo_model *m, jo_data *d, double *g)
     return JO_OK;
 }
 
+/* watched value of an event: that of the sensor, or the size sqrt(sum x^2) of several of its components */
+static double measured_value(const jo_event *e, const jo_real *x)
+{
+    const double first = JO_RE(x[e->output]);
+    if (!e->others) return first;
+    double sum = first * first;
+    for (int k = 0, rest = e->others; rest; k++, rest >>= 1)
+        if (rest & 1) sum += JO_RE(x[e->output + 1 + k]) * JO_RE(x[e->output + 1 + k]);
+    return sqrt(sum);
+}
+
 /* g = watched values at the present state */
 int jo_watched_values(const jo_model *m, jo_data *d, double *g)
 {
@@ -57,7 +68,7 @@ int jo_watched_values(const jo_model *m, jo_data *d, double *g)
     if (m->nevent) jo_sensors(&d->events.watch, d, d->events.measured);
     const int first = jo_first_yielding(m);
     for (int i = 0; i < first; i++)
-        g[i] = jo_is_event(m, i) ? JO_RE(d->events.measured[m->event[i].output]) - m->event[i].threshold
+        g[i] = jo_is_event(m, i) ? measured_value(&m->event[i], d->events.measured) - m->event[i].threshold
                               : JO_RE(jo_friction_margin(m, d, i - m->nevent));
     if (m->nswitched) jo_switched_ready(m, d);
     for (int k = 0; k < m->nswitched; k++) g[jo_first_switched(m) + k] = JO_RE(jo_switched_margin(m, d, k));

@@ -360,12 +360,13 @@ static int accept(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
     return status;
 }
 
-static int step(const jo_model *m, jo_data *d, const jo_solver *s)
+static int step(const jo_model *m, jo_data *d, const jo_solver *s, int *steady)
 {
     const double h = s->step, am = s->alpha_m, af = s->alpha_f, g = s->newmark_gamma, b = s->newmark_beta;
     const jo_weights old = d->alpha.weights;
     const jo_weights weights = {(1.0 - am) / (1.0 - af), g * h, b * h * h, 1.0 / (s->projection ? g * h : b * h * h),
                                 !s->projection, s->plain_inertia};
+    *steady = jo_alpha_continues(m, d, h) && old.v == weights.v;
     if (!jo_alpha_continues(m, d, h)) {
         jo_history_begins(d);
         jo_iteration_limit_forget(d);
@@ -410,11 +411,14 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
     return JO_OK;
 }
 
-/* a and lam at the end are the results of the step, unless multipliers of least norm are needed */
+/* a and lam at the end are the results of the step, unless multipliers of least norm are needed; or the step begins a history or has
+ * another length than the one before, so that its lam has an error of first order, since the algorithmic acceleration is that of another
+ * instant, or of third order / h, since the positions were projected before it */
 int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    const int status = step(m, d, s);
+    int steady = 0;
+    const int status = step(m, d, s, &steady);
     jo_state_changed(d);
-    jo_accelerations_found(d, status == JO_OK && m->redundant <= 0);
+    jo_accelerations_found(d, status == JO_OK && m->redundant <= 0 && steady);
     return status;
 }

@@ -270,7 +270,7 @@ int main(void)
     CHECK(plain && jo_assemble(&m, d, 30, 1e-13) == JO_OK);
     CHECK(jo_run(&m, d, &rk4, 200, 1, &count, &written, plain) == JO_OK && written == 200);
     jo_data_free(d);
-    jo_event event[] = {{1, 0, 0, 0.0}, {24, 0, 1, 0.0}, {0, 0, 0, 1e9}};
+    jo_event event[] = {{1, 0, 0, 0, 0.0}, {24, 0, 0, 1, 0.0}, {0, 0, 0, 0, 1e9}};
     for (int i = 0; i < 2; i++) {
         const double *row = plain + (size_t)(size * (i ? 150 : 4)) + out + event[i].output;
         event[i].threshold = 0.5 * (row[0] + row[size]);

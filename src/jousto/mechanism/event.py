@@ -19,6 +19,8 @@ from jousto.mechanism.joints.coupling import Coupler
 from jousto.mechanism.sensors.base import Sensor
 
 DIRECTIONS = ("both", "rising", "falling")
+FURTHEST = 30
+"""Largest distance of components whose size is watched: bits of an int."""
 Measurable: TypeAlias = Sensor | Coordinate
 Releasable: TypeAlias = Joint | Coupler | ForceElement
 
@@ -36,11 +38,11 @@ class Watched(Field[Measurable, Measurable]):
         return value
 
 
-class Component(Field["int | str | None", int]):
-    """Field of the component of a sensor with several components."""
+class Component(Field["int | str | Iterable[int | str] | None", "int | tuple[int, ...]"]):
+    """Field of the component of a sensor with several components, or of those whose size counts."""
 
     form = "component"
-    noun = "int or str"
+    noun = "int, str or sequence of int or str"
 
 
 class Threshold(Number):
@@ -96,7 +98,8 @@ class Event(Declared, section="events"):
     name: Name = field("Unique among the events")
     watch: Watched = field("The watched sensor, or a coordinate such as ``hinge.angle``")
     component: Component = field(
-        "Name or number (from 0) of the component, for a sensor with several components",
+        "Name or number (from 0) of the component, for a sensor with several. Several, such as "
+        "``('Fx', 'Fy', 'Fz')``: their size, the root of the sum of the squares, is watched",
         default=None,
         kw_only=True,
     )
@@ -118,22 +121,46 @@ class Event(Declared, section="events"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Store the index of the component, or report a component that does not exist."""
-        given: int | str | None = self.component
-        index = 0
-        if not isinstance(self.watch, Coordinate):
-            index = component_of(problems, where, self.watch, given)
-        elif given not in (None, 0):
-            problems.add(
-                where, f"component is {given!r}: {self.watch.name} is one number", "component"
-            )
-        object.__setattr__(self, "component", index)
+        """Store the indices of the components, or report components that do not exist."""
+        given: Any = self.component
+        found: int | tuple[int, ...] = 0
+        if isinstance(self.watch, Coordinate):
+            if given not in (None, 0):
+                problems.add(
+                    where, f"component is {given!r}: {self.watch.name} is one number", "component"
+                )
+        elif isinstance(given, Iterable) and not isinstance(given, str):
+            found = components_of(problems, where, self.watch, tuple(given))
+            low: Any = self.threshold
+            if isinstance(low, float | int) and low <= 0:
+                problems.add(
+                    where, f"threshold is {low:g}, but a size is not negative: above 0", "threshold"
+                )
+        else:
+            found = component_of(problems, where, self.watch, given)
+        object.__setattr__(self, "component", found)
+
+    @property
+    def components(self) -> tuple[int, ...]:
+        """Indices of the watched components, rising; of several their size is watched."""
+        found = self.component
+        return found if isinstance(found, tuple) else (found,)
+
+    @property
+    def watched(self) -> str:
+        """Name of what is watched, with its components if the sensor has several."""
+        names = () if isinstance(self.watch, Coordinate) else self.watch.components
+        if len(names) < 2:
+            return self.watch.name
+        given = [names[k] for k in self.components]
+        part = given[0] if len(given) == 1 else f"size of {', '.join(given)}"
+        return f"{self.watch.name} ({part})"
 
     def __repr__(self) -> str:
         mark = {"both": "crosses", "rising": "rises above", "falling": "falls below"}
         action = ", stop" if self.stop else ""
         return (
-            f"<Event {self.name!r}: {self.watch.name} {mark[self.direction]} "
+            f"<Event {self.name!r}: {self.watched} {mark[self.direction]} "
             f"{self.threshold:g}{action}>"
         )
 
@@ -161,3 +188,40 @@ def component_of(problems: Problems, where: str, sensor: Any, component: int | s
             "sensor",
         )
     return 0
+
+
+def components_of(
+    problems: Problems, where: str, sensor: Any, given: tuple[int | str, ...]
+) -> tuple[int, ...]:
+    """Return the indices of several components, rising, or report what is wrong with them."""
+    if not given:
+        problems.add(where, "component is empty; name one or more components", "component")
+        return (0,)
+    before = len(problems.found)
+    found = sorted(component_of(problems, where, sensor, one) for one in given)
+    if len(problems.found) > before:
+        return (0,)
+    if len(set(found)) < len(found):
+        problems.add(where, f"component {given!r} has one twice", "component")
+    if found[-1] - found[0] > FURTHEST:
+        problems.add(
+            where,
+            f"component {given!r}: at most {FURTHEST} components may lie between two of them",
+            "component",
+        )
+    units = {unit_at(sensor, k) for k in found}
+    if len(units) > 1:
+        problems.add(
+            where,
+            f"component {given!r} has values in {' and in '.join(sorted(units))}, whose squares "
+            "have no sum; take those of one unit",
+            "component",
+        )
+    return tuple(found)
+
+
+def unit_at(sensor: Any, component: int) -> str:
+    """Return the SI unit of a component of a sensor, whose halves may have units of their own."""
+    units: list[str] = [unit.strip() for unit in sensor.unit.split(",")]
+    second = len(units) == 2 and component >= len(getattr(sensor, "components", ())) // 2
+    return units[1] if second else units[0]

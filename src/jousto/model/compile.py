@@ -441,7 +441,9 @@ def _consistent(model: Model) -> Model:
         asked = [f"'{s.name}'" for s in model.sensors if s.description.endswith(NOT_UNIQUE)]
         tail = f"; {', '.join(asked)} depend on these reactions" if asked else ""
         warn(f"mechanism {model.name!r}", found.sentence + tail)
-    elif model.permanent == model.nv and not any(is_drive(joint) for joint in model.joints):
+    elif model.permanent == model.nv and not any(
+        is_drive(joint) or joint.release >= 0 for joint in model.joints
+    ):
         warn(
             f"mechanism {model.name!r}",
             f"nothing can move: its {count(model.permanent, 'constraint row')} prevent every "

@@ -360,10 +360,14 @@ class SwitchedModel:
 
 @dataclass(frozen=True)
 class EventModel:
-    """Event at a threshold of the sensor value with index `output`."""
+    """Event at a threshold of the sensor value with index `output`.
+
+    With `others` it is the size of several values: bit k is that with index ``output + 1 + k``.
+    """
 
     name: str
     output: int
+    others: int
     threshold: float
     direction: int
     stop: bool

@@ -92,7 +92,8 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
         rows.append((f"fmu {fmu.name}", text))
     for event in mechanism.events:
         mark = {"both": "passes", "rising": "rises above", "falling": "falls below"}
-        text = f"{event.watch.name} {mark[event.direction]} {event.threshold:g}"
+        text = f"{event.watched} {mark[event.direction]} {event.threshold:g}"
+        text += f", releases {', '.join(one.name for one in event.releases)}" * bool(event.releases)
         rows.append((f"event {event.name}", text + (", stops the run" if event.stop else "")))
     rows.append(("gravity", " ".join(f"{g:g}" for g in mechanism.gravity) + " m/s2"))
     return rows

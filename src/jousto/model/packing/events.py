@@ -41,9 +41,11 @@ def event_models(
     """Return the events of a mechanism; `models` are those of the sensors `gauges`."""
     events, places = [], _places(gauges)
     for event in mechanism.events:
-        output = models[places[_watched(event)]].offset + event.component
+        first, *others = event.components
+        output = models[places[_watched(event)]].offset + first
+        bits = sum(1 << (other - first - 1) for other in others)
         direction = DIRECTIONS[event.direction]
-        events.append(EventModel(event.name, output, event.threshold, direction, event.stop))
+        events.append(EventModel(event.name, output, bits, event.threshold, direction, event.stop))
     return events
 
 

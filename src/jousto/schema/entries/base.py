@@ -227,6 +227,11 @@ Component: TypeAlias = Annotated[
     Annotated[int, _Integer(), Tag("number")] | Annotated[str, _Text(), Tag("text")],
     Discriminator(lambda v: "text" if isinstance(v, str) else "number"),
 ]
+# one of them, or those whose size counts
+Components: TypeAlias = Annotated[
+    Annotated[Component, Tag("one")] | Annotated[tuple[Component, ...], Tag("list")],
+    Discriminator(lambda v: "list" if isinstance(v, list | tuple) else "one"),
+]
 
 
 InertiaRow: TypeAlias = Annotated[tuple[Inertia, Inertia, Inertia], Vector(3)]

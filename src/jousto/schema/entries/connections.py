@@ -12,7 +12,7 @@ from pydantic_core import core_schema
 from jousto.base.units import describe
 from jousto.schema.entries.base import (
     Amount,
-    Component,
+    Components,
     Force3,
     Text,
     Vector,
@@ -124,7 +124,7 @@ FORMS.update(
         "pattern": lambda field: Pattern,
         "function": lambda field: Annotated[str, _Function()],
         "watched": lambda field: WatchedEntry,
-        "component": lambda field: Component,
+        "component": lambda field: Components,
         "threshold": lambda field: Amount,
     }
 )

@@ -12,6 +12,7 @@ from jousto.base.errors import ASK_TRUST, InputError, MissingFileError, Problem,
 from jousto.base.files import executed
 from jousto.base.units import KINDS
 from jousto.mechanism.bodies.body import FlexibleBody
+from jousto.mechanism.event import unit_at
 from jousto.schema.entries.base import Entry
 from jousto.schema.file.files import read_points
 from jousto.schema.make.declared import Place, build_coordinate
@@ -152,12 +153,12 @@ def threshold(place: Place, value: Any) -> Any:
 
 def unit_of(watch: Any, component: Any) -> str:
     """Return the SI unit of the quantity that an event watches; "1" if it has no name in files."""
-    units = [unit.strip() for unit in watch.unit.split(",")]
-    names = getattr(watch, "components", ())
-    unit = units[0]
-    if len(units) == 2 and component is not None:  # units of forces, then of moments
-        at = component if isinstance(component, int) else list(names).index(component)
-        unit = units[1] if at >= len(names) // 2 else units[0]
+    if isinstance(component, list | tuple):
+        component = next(iter(component), None)
+    names = list(getattr(watch, "components", ()))
+    if isinstance(component, str):
+        component = names.index(component) if component in names else 0
+    unit = unit_at(watch, component or 0)
     return unit if unit in KINDS else "1"
 
 
