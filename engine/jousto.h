@@ -37,8 +37,10 @@ typedef double jo_real;
  * gear_spring: f = -stiffness e - damping e' + spring(e) along s, -f / ratio along the other coordinate s_2 (of the shaft that turns
  *   `ratio` times as far), e = s - s_2 / ratio - free
  * pid: controller with integral part and filtered derivative, see force_pid.c; two states from jo_force.state on
- * contact: a sphere on b, centre in frame b, touches a shape of a, see force_contact.c and jo_shape_type; six states from jo_force.state on
+ * contact: a sphere on b, centre in frame b, touches a shape of a, see force_contact.c and jo_shape_type; six states from jo_force.state on,
+ *   nine with resistance to rolling and drilling, see contact_turn.c
  *   around > 0: a point of the rim of a cylinder with the radius `ring`, at the angle around - 1 from its lowest point
+ *   followed by the rows of a table (extent) if `curve` is JO_CURVE_TABLE, see contact_curve.c
  * contact_pair: two convex polytopes, see force_contact_pair.c; 8 states for each of up to 8 points
  * contact_set: shapes whose pairs are not known; its numbers are followed by the rows of contact_rows.h, its force by those of its slots
  * contact_slot: contact of a pair that is near; set, number: forces of the set and of the slot; two states from jo_force.state on, then those
@@ -47,7 +49,7 @@ typedef double jo_real;
  * tyre: of a wheel b on a plane of a, see force_tyre.c and tyre_law.c; two states from jo_force.state on
  * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
  *   coefficients of (s - s_k)^0..3 of the position and of each mode shape; at s = reference(t), times signal; 0 beyond the ends */
-#define JO_CONTACT_LAW stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, mass, duration
+#define JO_CONTACT_LAW stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, mass, duration, velocity, curve, extent
 #define JO_TOUCH_LAW resolve, restitution
 #define JO_FORCES(ROW) \
     ROW(load, force[3], torque[3]) \
@@ -57,7 +59,7 @@ typedef double jo_real;
     ROW(modal_load, force[3], torque[3]) \
     ROW(user, none) \
     ROW(moving_load, count, modes, force[3]) \
-    ROW(contact, JO_CONTACT_LAW, JO_TOUCH_LAW, shape, size[3], centre[3], radius, ring, around) \
+    ROW(contact, JO_CONTACT_LAW, JO_TOUCH_LAW, rolling, drilling, inertia, shape, size[3], centre[3], radius, ring, around) \
     ROW(contact_set, shapes, tips, surfaces, groups, excluded, slots, pairs, resolve) \
     ROW(contact_slot, set, number) \
     ROW(pid, proportional, integral, derivative, weight, filter, filter_share, tracking, tracking_share, lower, upper, start, speed) \

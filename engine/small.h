@@ -13,12 +13,14 @@
 #define jo_sin csin
 #define jo_cos ccos
 #define jo_exp cexp
+#define jo_log clog
 #else
 #define JO_RE(x) (x)
 #define jo_sqrt sqrt
 #define jo_sin sin
 #define jo_cos cos
 #define jo_exp exp
+#define jo_log log
 #endif
 
 /* a function that is compiled separately for each constant argument */

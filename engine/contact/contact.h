@@ -36,6 +36,7 @@ typedef struct jo_contact_matrix {
     int declared;           /* in m->force */
     const jo_force *force;  /* the same, or the contact of a slot, with the markers a and b */
     int first, state;       /* first one of its states, which is its phase, 0 apart; first one of s */
+    int turns;              /* the same for the moment of a resistance: F is a moment, x a turn, v the angular velocity, s the turn of its bristle */
     int closed;             /* whether the matrix of the present step contains it */
     int follows;            /* whether s follows the slip velocity */
     int at[2], count[2];    /* of the velocities on which that of the contact point depends: the first, and their number */
@@ -59,6 +60,15 @@ static inline int jo_contact_first(const jo_force *f, int point)
 {
     return f->state + (f->type == JO_FORCE_contact_slot ? JO_SLOT_STATES : 0) + JO_PAIR_STATES * point;
 }
+
+/* whether a contact resists rolling and drilling: it has the states of a turn from JO_TURN_FIRST on; and the number of its blocks in a matrix */
+enum { JO_TURN_FIRST = 6 };
+static inline int jo_contact_turns(const jo_force *f)
+{
+    const jo_contact_data *x = (const jo_contact_data *)f->data;
+    return f->type == JO_FORCE_contact && (JO_RE(x->rolling) > 0.0 || JO_RE(x->drilling) > 0.0);
+}
+static inline int jo_contact_blocks(const jo_force *f) { return jo_contact_points(f) + jo_contact_turns(f); }
 
 /* the contact with this first state */
 static inline jo_contact_matrix *jo_contact_in_matrix(const jo_data *d, int first) { return &d->contacts.matrix[d->contacts.of_state[first]]; }

@@ -5,8 +5,9 @@
  *   g h (K u + D w - B (sigma + S) + g h B w) - G J v_i',   G = g h D + (g h)^2 (K + B),
  *   u = J (-r_i - sum s_ij r_j - g h sum z_ij v_j'),  w = -J sum s_ij v_j',  S = sum s_ij s_j',
  *   s_i' = sigma + g h P (J v_i' - w),   P = 1 - n n^T,
- * since the state s is eliminated: ds'/dv = P. The matrices and J are those of the first stage. J^T G J enters Newton's matrix of
- * coupled_mass.c, or the equations of a tree in tree_contacts.c. */
+ * since the state s is eliminated: ds'/dv = P. A moment that resists rolling and drilling is the same with angular velocities, P = 1. The
+ * matrices and J are those of the first stage. J^T G J enters Newton's matrix of coupled_mass.c, or the equations of a tree in
+ * tree_contacts.c. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "newton/newton.h"
@@ -26,18 +27,19 @@ void jo_contact_layout(const jo_model *m, jo_data *d, jo_arena *a)
     jo_contacts *w = &d->contacts;
     const int most = most_velocities(m);
     w->count = 0;
-    for (int i = 0; i < m->nforce; i++) w->count += jo_contact_points(&m->force[i]);
+    for (int i = 0; i < m->nforce; i++) w->count += jo_contact_blocks(&m->force[i]);
     w->matrix = jo_take_many(a, w->count, sizeof *w->matrix);
     w->list = jo_take_ints(a, w->count);
     w->closed = 0;
     w->of_state = jo_take_ints(a, w->count ? m->nstate : 0);
     for (int i = 0, k = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
-        const int slot = f->type == JO_FORCE_contact_slot;
-        for (int point = 0; point < jo_contact_points(f); point++, k++) {
+        const int slot = f->type == JO_FORCE_contact_slot, points = jo_contact_points(f);
+        for (int point = 0; point < jo_contact_blocks(f); point++, k++) {
             jo_contact_matrix spare, *c = a->base ? &w->matrix[k] : &spare;
             c->declared = i;
-            c->first = jo_contact_first(f, point);
+            c->turns = point == points;
+            c->first = c->turns ? f->state + JO_TURN_FIRST : jo_contact_first(f, point);
             c->room[0] = jo_take_reals(a, 3 * (slot ? most : jo_marker_velocities(m, f->a)));
             c->room[1] = jo_take_reals(a, 3 * (slot ? most : jo_marker_velocities(m, f->b)));
             if (a->base) w->of_state[c->first] = k;
@@ -61,7 +63,7 @@ static int count_acting(const jo_model *m, jo_data *d)
     for (int i = 0; i < d->contacts.count; i++) {
         const jo_contact_matrix *c = &d->contacts.matrix[i];
         const jo_force *f = &m->force[c->declared];
-        if (JO_RE(jo_states(m, d)[c->first]) == 0.0) continue;   /* phase */
+        if (JO_RE(jo_states(m, d)[c->turns ? c->first - JO_TURN_FIRST : c->first]) == 0.0) continue;   /* phase */
         if (!tree && f->type == JO_FORCE_contact_slot && !is_coupled(m, d, f)) return -1;
         acting++;
     }
@@ -98,7 +100,7 @@ static void side_jacobian(const jo_model *m, jo_data *d, jo_contact_matrix *c, i
         jo_real v[3], y[3];
         jo_cross(v, turn, arm);
         for (int i = 0; i < 3; i++) v[i] += L[i * row + j];
-        jo_mul3t(y, A, v);
+        jo_mul3t(y, A, c->turns ? turn : v);
         for (int i = 0; i < 3; i++) c->J[side][i * n + j] = side ? y[i] : -y[i];
     }
 }
@@ -143,6 +145,10 @@ void jo_contact_push(const jo_model *m, jo_data *d, const jo_stage *stage, const
     jo_add3(F, x);
     for (int i = 0; i < 3; i++) F[i] *= gh;
     jo_cross(F + 3, lever, F);
+    for (int i = 0; i < 3 && c->turns; i++) {
+        F[3 + i] = F[i];
+        F[i] = jo_same(0.0);
+    }
     jo_push_between(m, d, c->force, F, &unused);
 }
 
@@ -154,7 +160,7 @@ void jo_contact_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage
         jo_real *rate = jo_state_rates(m, d) + c->state, v[3];
         jo_contact_velocity(c, d->wd, v);
         jo_sub3(v, c->w);
-        jo_axpy3(v, -jo_dot3(v, c->normal), c->normal);
+        if (!c->turns) jo_axpy3(v, -jo_dot3(v, c->normal), c->normal);
         jo_axpy3(rate, jo_same(stage->gh), v);
     }
 }

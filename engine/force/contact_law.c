@@ -13,12 +13,27 @@ static jo_real raised(jo_real x, jo_real y)
 #endif
 }
 
+/* force without loss, its derivatives and its energy */
+static void press_without_loss(const jo_contact_law *x, jo_contact_point *y)
+{
+    if (JO_RE(x->curve) != JO_CURVE_POWER) {
+        jo_contact_curve(x, y);
+        return;
+    }
+    const jo_real once = x->stiffness * raised(y->depth, x->exponent - 1.0);
+    y->elastic = once * y->depth;
+    y->slope = x->exponent * once;
+    y->bend = y->slope * (x->exponent - 1.0) / y->depth;
+    y->energy = y->elastic * y->depth / (x->exponent + 1.0);
+}
+
 /* speed of approach, m/s, from which a contact without loss would have reached the present depth */
 jo_real jo_contact_speed_of_depth(const jo_contact_law *x, jo_real depth)
 {
-    const jo_real n = x->exponent + 1.0;
-    const jo_real square = 2.0 * x->stiffness * raised(depth, n) / (n * x->mass);
-    return jo_sqrt(square);
+    jo_contact_point y;
+    y.depth = depth;
+    press_without_loss(x, &y);
+    return jo_sqrt(2.0 * y.energy / x->mass);
 }
 
 /* step of Adams: cubic from 0 to 1, and its derivative */
@@ -35,22 +50,24 @@ static jo_real cubic_step(jo_real x, jo_real *slope)
 void jo_contact_press(const jo_contact_law *x, const jo_real *state, jo_contact_point *y)
 {
     const jo_real none = jo_same(0.0);
-    y->elastic = y->N = y->by_depth = y->by_rate = y->shear = y->shear_rate = y->loss = none;
+    y->elastic = y->slope = y->bend = y->energy = y->lag = y->lag_rate = none;
+    y->N = y->by_depth = y->by_rate = y->shear = y->shear_rate = y->loss = none;
     if (!(JO_RE(y->depth) > 0.0)) return;
-    const jo_real once = x->stiffness * raised(y->depth, x->exponent - 1.0), a = x->damping / state[JO_CONTACT_SPEED];
-    jo_real steepness, c = x->viscous;
-    y->elastic = once * y->depth;
-    jo_real dc = none;
+    press_without_loss(x, y);
+    const jo_real a = x->damping / state[JO_CONTACT_SPEED];
+    jo_real steepness, c = x->viscous, dc = none;
     if (JO_RE(x->full) > 0.0) {
         c = x->viscous * cubic_step(y->depth / x->full, &steepness);
         dc = x->viscous * steepness / x->full;
     }
-    y->by_rate = a * y->elastic + c;
+    y->lag = a * y->elastic;
+    y->lag_rate = a * y->slope;
+    y->by_rate = y->lag + c;
     y->N = y->elastic + y->by_rate * y->rate;
-    y->by_depth = x->exponent * once * (1.0 + a * y->rate) + dc * y->rate;
-    y->shear = x->shear * x->exponent * once;
-    y->shear_rate = y->shear * (x->exponent - 1.0) / y->depth;
-    y->loss = x->shear * a * y->elastic;
+    y->by_depth = y->slope + (y->lag_rate + dc) * y->rate;
+    y->shear = x->shear * y->slope;
+    y->shear_rate = x->shear * y->bend;
+    y->loss = x->shear * y->lag;
     if (JO_RE(y->N) < 0.0) y->N = y->by_depth = y->by_rate = none;   /* it never pulls */
 }
 
@@ -65,10 +82,10 @@ void jo_contact_stretched(const jo_real *s, jo_contact_point *y)
     y->size = jo_length3(y->force);
 }
 
-jo_real jo_contact_energy(const jo_contact_law *x, int phase, const jo_contact_point *y)
+jo_real jo_contact_energy(int phase, const jo_contact_point *y)
 {
     if (phase == JO_CONTACT_APART) return jo_same(0.0);
-    return y->elastic * y->depth / (x->exponent + 1.0) + 0.5 * y->shear * jo_dot3(y->stretch, y->stretch);
+    return y->energy + 0.5 * y->shear * jo_dot3(y->stretch, y->stretch);
 }
 
 /* Friction force F = -mu N z / |z|: z is the slip velocity, or minus the force of the bristle. A slip that has turned within the step keeps
@@ -88,6 +105,11 @@ static int is_limited(const jo_contact_law *x, int phase, const jo_contact_point
 static void friction(const jo_contact_law *x, int phase, const jo_contact_point *y, jo_real *F)
 {
     limited l;
+    if (jo_contact_is_smooth(x)) {
+        const jo_real g = jo_contact_smooth(x, jo_dot3(y->slip, y->slip)) * y->N;
+        for (int i = 0; i < 3; i++) F[i] = -g * y->slip[i];
+        return;
+    }
     if (!is_limited(x, phase, y, &l)) {
         jo_set3(F, y->force);
         return;
@@ -118,8 +140,12 @@ static void friction_change(const jo_contact_law *x, int phase, const jo_contact
 {
     limited l;
     jo_real z[3];
+    if (jo_contact_is_smooth(x)) {
+        jo_contact_smooth_change(x, y, c->slip, dN, dF);
+        return;
+    }
     const int cut = is_limited(x, phase, y, &l);
-    const jo_real dk = y->shear_rate * c->depth, dloss = JO_RE(y->elastic) > 0.0 ? y->loss * x->exponent * c->depth / y->depth : 0.0;
+    const jo_real dk = y->shear_rate * c->depth, dloss = x->shear * y->lag_rate * c->depth;
     for (int i = 0; i < 3; i++)
         z[i] = l.kept ? ds[i] : phase == JO_CONTACT_SLIPS ? c->slip[i] : dk * y->stretch[i] + y->shear * ds[i] + dloss * y->slip[i] + y->loss * c->slip[i];
     if (!cut) {

@@ -2,9 +2,10 @@
 #include "force/contact_point.h"
 #include "contact/contact.h"
 
+enum { JO_CURVE_HALVINGS = 20 };    /* of the largest depth of a touch */
 #define JO_CONTACT_PARTS 20.0   /* steps in which a short contact is resolved */
 #define JO_CONTACT_LASTS 4.0    /* age of a contact over its duration without loss, from which on it is not short: also with large mass and loss */
-#define JO_CONTACT_STABLE 0.5   /* step of an explicit method times the rate of a contact */
+#define JO_STEEPEST 1.875         /* mu' velocity / mu_static of the smooth law at rest */
 
 /* whether the bristle is beyond its limit, and is stretched further */
 static int breaks(const jo_contact_law *x, const jo_contact_point *y)
@@ -28,10 +29,10 @@ static void touch(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo
     if (JO_RE(y->rate) > JO_RE(state[JO_CONTACT_SPEED])) state[JO_CONTACT_SPEED] = y->rate;
     state[JO_CONTACT_SINCE] = time;
     jo_contact_press(x, state, y);
-    const int slips = JO_RE(x->shear * x->exponent * jo_length3(y->slip)) > JO_RE(x->mu_static * y->rate);
+    const int smooth = jo_contact_is_smooth(x), slips = smooth || JO_RE(x->shear * x->exponent * jo_length3(y->slip)) > JO_RE(x->mu_static * y->rate);
     const jo_real none[3] = {0.0, 0.0, 0.0};
     state[JO_CONTACT_PHASE] = jo_same(slips ? JO_CONTACT_SLIPS : JO_CONTACT_STICKS);
-    full_stretch(x, y, slips ? y->slip : none, jo_same(INFINITY), state + JO_CONTACT_STRETCH);
+    full_stretch(x, y, slips && !smooth ? y->slip : none, jo_same(INFINITY), state + JO_CONTACT_STRETCH);
 }
 
 void jo_contact_start(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo_real *state)
@@ -93,6 +94,7 @@ static void change_phase(const jo_contact_law *x, const jo_contact_point *y, jo_
     jo_real *s = state + JO_CONTACT_STRETCH;
     const jo_real old[3] = {s[0], s[1], s[2]}, along[3] = {-y->force[0], -y->force[1], -y->force[2]};
     int slips, turned;
+    if (jo_contact_is_smooth(x)) return;   /* it has no bristle */
     switch (jo_contact_phase(state)) {
     case JO_CONTACT_STICKS:
         jo_set3(s, y->stretch);
@@ -118,7 +120,7 @@ static void change_phase(const jo_contact_law *x, const jo_contact_point *y, jo_
 jo_real jo_contact_update(const jo_contact_law *x, int waits, jo_real time, jo_contact_point *y, jo_real *state)
 {
     const int phase = jo_contact_phase(state), overlaps = JO_RE(y->depth) > 0.0;
-    const jo_real before = jo_contact_energy(x, phase, y);
+    const jo_real before = jo_contact_energy(phase, y);
     const int bounces = jo_contact_may_strike(x) && (waits || fabs(JO_RE(y->rate)) > JO_RE(x->slowest));   /* by an impulse */
     if (phase == JO_CONTACT_APART && bounces) {
         /* stays apart */
@@ -132,7 +134,7 @@ jo_real jo_contact_update(const jo_contact_law *x, int waits, jo_real time, jo_c
         for (int i = 0; i < 3; i++) state[JO_CONTACT_STRETCH + i] = jo_same(0.0);
     }
     jo_contact_stretched(state + JO_CONTACT_STRETCH, y);
-    return before - jo_contact_energy(x, jo_contact_phase(state), y);
+    return before - jo_contact_energy(jo_contact_phase(state), y);
 }
 
 jo_real jo_contact_margin(const jo_contact_law *x, const jo_real *state, const jo_contact_point *y)
@@ -144,18 +146,36 @@ jo_real jo_contact_margin(const jo_contact_law *x, const jo_real *state, const j
         const jo_real beyond = (x->mu_static * y->N - y->size) / y->shear;
         if (JO_RE(beyond) < JO_RE(left)) left = beyond;
     }
-    if (phase == JO_CONTACT_SLIPS) {
+    if (phase == JO_CONTACT_SLIPS && !jo_contact_is_smooth(x)) {
         const jo_real along = jo_dot3(state + JO_CONTACT_STRETCH, y->slip);
         if (JO_RE(along) < JO_RE(left)) left = along;
     }
     return left;
 }
 
+/* duration of a touch on a curve: that of a spring with the same largest depth and force, within 5 % for powers up to 1.5 */
+static double curve_lasts(const jo_contact_law *x, double speed)
+{
+    jo_contact_point y;
+    double low = 0.0, high = JO_RE(x->duration) * speed;
+    for (int i = 0; i < 2 * JO_CURVE_HALVINGS; i++, low = high, high *= 2.0)
+        if (JO_RE(jo_contact_speed_of_depth(x, jo_same(high))) >= speed) break;
+    for (int i = 0; i < JO_CURVE_HALVINGS; i++) {
+        const double middle = 0.5 * (low + high);
+        if (JO_RE(jo_contact_speed_of_depth(x, jo_same(middle))) < speed) low = middle;
+        else high = middle;
+    }
+    y.depth = jo_same(high);
+    jo_contact_curve(x, &y);
+    return JO_PI * sqrt(JO_RE(x->mass) * high / JO_RE(y.elastic));
+}
+
 /* duration of the touch without loss, s */
 static double lasts(const jo_contact_law *x, const jo_real *state)
 {
-    const double n = JO_RE(x->exponent);
-    return JO_RE(x->duration) * pow(JO_RE(state[JO_CONTACT_SPEED]), (1.0 - n) / (1.0 + n));
+    const double n = JO_RE(x->exponent), v = JO_RE(state[JO_CONTACT_SPEED]);
+    if (JO_RE(x->curve) != JO_CURVE_POWER) return curve_lasts(x, v);
+    return JO_RE(x->duration) * pow(v, (1.0 - n) / (1.0 + n));
 }
 
 void jo_contact_begun(const jo_data *d, const jo_contact_law *x, int first, const jo_real *state)
@@ -163,16 +183,26 @@ void jo_contact_begun(const jo_data *d, const jo_contact_law *x, int first, cons
     if (jo_contact_phase(state) != JO_CONTACT_APART && JO_RE(x->resolve) == JO_RESOLVE_REPORT) jo_note_touch(d, first, lasts(x, state));
 }
 
+/* Smooth friction stops a slip in parts that halve it, until it is below the velocity of the law: a linearly implicit step from a large slip
+ * does not see that the friction turns, and would jump across. */
+static double slowing_step(const jo_contact_law *x, const jo_contact_point *y)
+{
+    const double slip = JO_RE(jo_length3(y->slip)), force = JO_RE(x->mu_static * y->N);
+    return slip > JO_RE(x->velocity) && force > 0.0 ? 0.5 * slip * JO_RE(x->mass) / force : INFINITY;
+}
+
 /* A short contact is resolved in JO_CONTACT_PARTS steps. An explicit method is stable up to some 2 / (omega + c / mass), omega^2 = k / mass;
  * several contacts of one body add up. */
-double jo_contact_longest_step(const jo_contact_law *x, const jo_real *state, jo_real time, const jo_contact_point *y)
+double jo_contact_longest_step(const jo_contact_law *x, const jo_real *state, jo_real time, int explicit_method, const jo_contact_point *y)
 {
     double longest = INFINITY;
     if (jo_contact_phase(state) == JO_CONTACT_APART) return longest;
     const double T = lasts(x, state);
     if (JO_RE(x->resolve) != JO_RESOLVE_REPORT && JO_RE(time - state[JO_CONTACT_SINCE]) < JO_CONTACT_LASTS * T) longest = T / JO_CONTACT_PARTS;
-    if (y) {
-        const double rate = sqrt(fabs(JO_RE(y->by_depth / x->mass))) + JO_RE(y->by_rate / x->mass);
+    if (y && jo_contact_is_smooth(x)) longest = fmin(longest, slowing_step(x, y));
+    if (explicit_method) {
+        double rate = sqrt(fabs(JO_RE(y->by_depth / x->mass))) + JO_RE(y->by_rate / x->mass);
+        if (jo_contact_is_smooth(x)) rate += JO_STEEPEST * JO_RE(x->mu_static * y->N / (x->velocity * x->mass));
         longest = fmin(longest, JO_CONTACT_STABLE / rate);
     }
     return longest;

@@ -9,6 +9,11 @@
 enum { JO_CONTACT_PHASE, JO_CONTACT_SPEED, JO_CONTACT_SINCE, JO_CONTACT_STRETCH, JO_CONTACT_STATES = JO_CONTACT_STRETCH + 3 };
 enum { JO_CONTACT_APART, JO_CONTACT_STICKS, JO_CONTACT_SLIPS, JO_CONTACT_EASED };
 
+#define JO_CONTACT_STABLE 0.5   /* step of an explicit method times the rate of a contact */
+
+/* Forces without loss over the depth: K d^n; parallel cylinders by Johnson; a table */
+enum { JO_CURVE_POWER, JO_CURVE_LINE, JO_CURVE_TABLE };
+
 /* The numbers of the law, with which the data of every kind of contact begin. */
 typedef struct { jo_real JO_CONTACT_LAW, JO_TOUCH_LAW; } jo_contact_law;
 
@@ -19,7 +24,9 @@ typedef struct {
     jo_real lever[3];               /* from the origin of b */
     jo_real w[3], v[3], slip[3];    /* relative angular velocity; velocity of b on a there, and its part in the contact plane */
     jo_real stretch[3];             /* s in the contact plane */
-    jo_real elastic, N, by_depth, by_rate;   /* K d^n; normal force and its derivatives */
+    jo_real elastic, slope, bend, energy;   /* force without loss, such as K d^n, its first two derivatives, and its integral over the depth */
+    jo_real lag, lag_rate;          /* (u / v_in) times this force, N s/m, and its derivative with respect to d */
+    jo_real N, by_depth, by_rate;   /* normal force and its derivatives */
     jo_real shear, shear_rate;      /* k_t and its derivative with respect to d */
     jo_real loss;                   /* c_t */
     jo_real force[3], size;         /* force of the bristle before its limit: -(k_t s + c_t v_t), and its length */
@@ -53,11 +60,20 @@ static inline void jo_see_speed(jo_data *d, int first, const jo_real *v)
 void jo_contact_slide(jo_contact_point *y);   /* d' and slip; v is the velocity of the origin of b before it */
 void jo_contact_rates(const jo_contact_point *y, int k, jo_contact_change *c);   /* changes of d' and slip, after those of position */
 
+/* contact_curve.c */
+void jo_contact_curve(const jo_contact_law *x, jo_contact_point *y);   /* elastic, slope, bend and energy of a curve other than K d^n */
+
+/* contact_slip.c */
+/* friction -g(|v|) N v of the regularised law; g in N s/m per N of the normal force */
+jo_real jo_contact_smooth(const jo_contact_law *x, jo_real square);
+void jo_contact_smooth_change(const jo_contact_law *x, const jo_contact_point *y, const jo_real *dv, jo_real dN, jo_real *dF);
+static inline int jo_contact_is_smooth(const jo_contact_law *x) { return JO_RE(x->velocity) > 0.0; }
+
 /* contact_law.c */
 jo_real jo_contact_speed_of_depth(const jo_contact_law *x, jo_real depth);   /* of approach, m/s */
 void jo_contact_press(const jo_contact_law *x, const jo_real *state, jo_contact_point *y);
 void jo_contact_stretched(const jo_real *s, jo_contact_point *y);
-jo_real jo_contact_energy(const jo_contact_law *x, int phase, const jo_contact_point *y);
+jo_real jo_contact_energy(int phase, const jo_contact_point *y);
 jo_real jo_contact_growth(const jo_contact_point *y);
 /* force and torque F (6) on b about its origin; adds the dissipated power */
 void jo_contact_force(const jo_contact_law *x, int phase, const jo_contact_point *y, jo_real *F, jo_work *power);
@@ -82,7 +98,8 @@ void jo_contact_hold_states(const jo_model *m, jo_data *d, const jo_stage *stage
 /* returns the energy that it dissipates; waits: whether a touch does not begin here, see jo_touches_wait */
 jo_real jo_contact_update(const jo_contact_law *x, int waits, jo_real time, jo_contact_point *y, jo_real *state);
 jo_real jo_contact_margin(const jo_contact_law *x, const jo_real *state, const jo_contact_point *y);   /* < 0: the phase has ended */
-double jo_contact_longest_step(const jo_contact_law *x, const jo_real *state, jo_real time, const jo_contact_point *y);   /* y NULL: implicit */
+/* y: needed for explicit methods and smooth friction */
+double jo_contact_longest_step(const jo_contact_law *x, const jo_real *state, jo_real time, int explicit_method, const jo_contact_point *y);
 int jo_contact_ease(jo_real *state);
 void jo_contact_begun(const jo_data *d, const jo_contact_law *x, int first, const jo_real *state);   /* notes a touch that has begun */
 

@@ -29,7 +29,7 @@ void jo_contact_touch(const jo_real *A, const jo_real *origin, const jo_contact_
         jo_contact_force(x, phase, y, F, &power);
         jo_set3(tangential, F);
         jo_axpy3(tangential, -y->N, y->normal);
-        const jo_real elastic = y->elastic * y->depth / (x->exponent + 1.0), bristle = jo_contact_energy(x, phase, y) - elastic;
+        const jo_real elastic = y->energy, bristle = jo_contact_energy(phase, y) - elastic;
         t->N = JO_RE(y->N);
         sums[0] += elastic;
         sums[1] += bristle;

@@ -10,11 +10,14 @@
  * The direction of a slip is not smooth where it stops. A step of an implicit method that therefore does not converge is repeated with a
  * bristle that slips at mu_k N within the step (eased), as in plasticity.
  *
+ * Resistance to rolling and drilling: see contact_turn.c.
+ *
  * States: phase (0 apart, 1 sticks, 2 slips, 3 eased), approach speed v_in at the touch, time of the touch, s. Steps end where a phase ends
  * (margin); within a step the phase is constant. See contact_tip.c, contact_law.c and contact_phase.c. */
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/contact_tip.h"
+#include "force/contact_turn.h"
 
 static const jo_contact_data *numbers(const jo_force *f) { return (const jo_contact_data *)f->data; }
 static jo_real *states(const jo_data *d, const jo_force *f) { return d->w + (d->nw - d->forces.nstate) + f->state; }
@@ -39,7 +42,7 @@ static jo_real stored(const jo_data *d, const jo_force *f)
     jo_contact_place(d, f, &tip, &y);
     jo_contact_press(x, state, &y);
     jo_contact_stretched(state + JO_CONTACT_STRETCH, &y);
-    return jo_contact_energy(x, jo_contact_phase(state), &y);
+    return jo_contact_energy(jo_contact_phase(state), &y) + (jo_contact_turns(f) ? jo_turn_energy(numbers(f), state, &y) : jo_same(0.0));
 }
 
 /* in the matrix of a Rosenbrock method */
@@ -48,6 +51,7 @@ static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage, c
     jo_contact_change moves[6];   /* with position and velocity of b */
     for (int k = 0; k < 6 && !stage->earlier; k++) moves[k] = jo_contact_tip_change(numbers(f), tip, y, k < 3 ? k : k + 3);
     jo_contact_implicit(m, d, stage, f, f->state, y, moves);
+    if (jo_contact_turns(f)) jo_turn_implicit(m, d, stage, f, y);
 }
 
 static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *out)
@@ -59,6 +63,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     jo_contact_point y;
     present(m, d, f, states(d, f), &tip, &y);
     jo_contact_move_states(m, d, stage, x, f->state, &y);
+    if (jo_contact_turns(f)) jo_turn_move_states(m, d, stage, f, &y);
     if (stage->contacts) add_implicit(m, d, stage, f, &tip, &y);
     *out = none;
     if (phase == JO_CONTACT_APART) {
@@ -71,7 +76,11 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     jo_real F[6] = {0.0};
     if (acts) {
         jo_contact_force(x, phase, &y, F, &d->power);
-        out->stored = jo_contact_energy(x, phase, &y);
+        out->stored = jo_contact_energy(phase, &y);
+        if (jo_contact_turns(f)) {
+            jo_turn_moment(numbers(f), states(d, f), &y, F + 3, &d->power);
+            out->stored += jo_turn_energy(numbers(f), states(d, f), &y);
+        }
     }
     if (jo_blows(d)) jo_add_blow(d, f->state, y.lever, F);
     jo_push_between(m, d, f, F, out);
@@ -90,9 +99,11 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
     if (jo_contact_phase(state) == JO_CONTACT_APART || !(JO_RE(y.depth) > 0.0)) return JO_OK;
     jo_real F[6], dF[6], X[6][12];
     jo_contact_force(x, jo_contact_phase(state), &y, F, &power);
+    if (jo_contact_turns(f)) jo_turn_moment(numbers(f), state, &y, F + 3, &power);
     for (int k = 0; k < 12; k++) {
         const jo_contact_change c = jo_contact_tip_change(numbers(f), &tip, &y, k);
         jo_contact_response(x, stage, state, &y, &c, k, F, dF);
+        if (jo_contact_turns(f)) jo_turn_response(numbers(f), stage, state, &y, &c, k, dF + 3);
         for (int i = 0; i < 6; i++) X[i][k] = dF[i];
     }
     jo_newton_between(m, d, f, F, X);
@@ -105,6 +116,7 @@ static void start(const jo_model *m, const jo_data *d, const jo_force *f, jo_rea
     jo_contact_point y;
     present(m, d, f, 0, &tip, &y);
     jo_contact_start(jo_contact_law_of(f), d->time[0], &y, state);
+    if (jo_contact_turns(f)) jo_turn_start(numbers(f), &y, state);
 }
 
 /* no error control by the stretch: it follows the positions */
@@ -120,7 +132,14 @@ static jo_real update(const jo_model *m, const jo_data *d, const jo_force *f, jo
     jo_contact_point y;
     const int apart = jo_contact_phase(state) == JO_CONTACT_APART;
     present(m, d, f, states(d, f), &tip, &y);
-    const jo_real lost = jo_contact_update(jo_contact_law_of(f), jo_touches_wait(d), d->time[0], &y, state);
+    const int turns = jo_contact_turns(f);
+    const jo_real before = turns ? jo_turn_energy(numbers(f), state, &y) : jo_same(0.0);
+    jo_real lost = jo_contact_update(jo_contact_law_of(f), jo_touches_wait(d), d->time[0], &y, state);
+    if (turns) {
+        if (apart) jo_turn_start(numbers(f), &y, state);
+        else jo_turn_update(numbers(f), &y, state);
+        lost += before - jo_turn_energy(numbers(f), state, &y);
+    }
     if (apart) jo_contact_begun(d, jo_contact_law_of(f), f->state, state);
     return lost;
 }
@@ -137,8 +156,11 @@ static double longest_step(const jo_model *m, const jo_data *d, const jo_force *
 {
     jo_contact_tip tip;
     jo_contact_point y;
-    if (explicit_method && jo_contact_phase(states(d, f)) != JO_CONTACT_APART) present(m, d, f, states(d, f), &tip, &y);
-    return jo_contact_longest_step(jo_contact_law_of(f), states(d, f), d->time[0], explicit_method ? &y : 0);
+    const int moves = explicit_method || jo_contact_is_smooth(jo_contact_law_of(f));
+    if (moves && jo_contact_phase(states(d, f)) != JO_CONTACT_APART) present(m, d, f, states(d, f), &tip, &y);
+    const double longest = jo_contact_longest_step(jo_contact_law_of(f), states(d, f), d->time[0], explicit_method, moves ? &y : 0);
+    if (!explicit_method || !jo_contact_turns(f) || jo_contact_phase(states(d, f)) == JO_CONTACT_APART) return longest;
+    return fmin(longest, JO_CONTACT_STABLE / jo_turn_rate(numbers(f), &y));
 }
 
 static int ease(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *state)
@@ -180,6 +202,7 @@ static int touches(const jo_model *m, const jo_data *d, const jo_force *f, const
     jo_contact_point y;
     present(m, d, f, state, &tip, &y);
     jo_contact_touch(d->marker[f->a].A, d->marker[f->b].r, jo_contact_law_of(f), state, &y, t, sums);
+    if (jo_contact_turns(f)) jo_turn_touch(numbers(f), state, &y, t, sums);
     return 1;
 }
 

@@ -105,7 +105,7 @@ static jo_real energy(const jo_force *f, const pair *p, const jo_real *state)
     for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES) {
         if (!jo_pair_touches(state)) continue;
         present(f, p, state, &t);
-        sum += jo_contact_energy(&t.law, jo_contact_phase(state), &t.y);
+        sum += jo_contact_energy(jo_contact_phase(state), &t.y);
     }
     return sum;
 }
@@ -184,7 +184,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
         if (stage->contacts) add_implicit(m, d, stage, f, first, &p, &t);
         if (!(JO_RE(t.y.depth) > 0.0)) continue;
         jo_contact_force(&t.law, jo_contact_phase(state), &t.y, F, &d->power);
-        out->stored += jo_contact_energy(&t.law, jo_contact_phase(state), &t.y);
+        out->stored += jo_contact_energy(jo_contact_phase(state), &t.y);
         for (int k = 0; k < 6; k++) sum[k] += F[k];
     }
     if (any) jo_push_between(m, d, f, sum, out);
@@ -356,11 +356,12 @@ static double longest_step(const jo_model *m, const jo_data *d, const jo_force *
     double longest = INFINITY;
     pair p;
     point t;
-    if (explicit_method && any_listed(f, state)) read_motion(m, d, f, &p);
+    const int moves = explicit_method || jo_contact_is_smooth(jo_contact_law_of(f));
+    if (moves && any_listed(f, state)) read_motion(m, d, f, &p);
     for (int i = 0; i < jo_pair_points(f); i++, state += JO_PAIR_STATES) {
         if (!jo_pair_touches(state)) continue;
-        if (explicit_method) present(f, &p, state, &t);
-        longest = fmin(longest, jo_contact_longest_step(jo_contact_law_of(f), state, d->time[0], explicit_method ? &t.y : 0));
+        if (moves) present(f, &p, state, &t);
+        longest = fmin(longest, jo_contact_longest_step(jo_contact_law_of(f), state, d->time[0], explicit_method, moves ? &t.y : 0));
     }
     return longest;
 }

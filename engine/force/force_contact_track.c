@@ -65,7 +65,7 @@ static int is_closed(const jo_real *state, const rider *y)
 static jo_real stored(const jo_data *d, const jo_force *f)
 {
     rider y;
-    return present(0, d, f, states(d, f), &y) ? jo_contact_energy(jo_contact_law_of(f), jo_contact_phase(states(d, f)), &y.point) : jo_same(0.0);
+    return present(0, d, f, states(d, f), &y) ? jo_contact_energy(jo_contact_phase(states(d, f)), &y.point) : jo_same(0.0);
 }
 
 static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *out)
@@ -83,7 +83,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     *out = none;
     if (!is_closed(state, &y)) return JO_OK;
     jo_contact_force(x, jo_contact_phase(state), &y.point, F, &d->power);
-    out->stored = jo_contact_energy(x, jo_contact_phase(state), &y.point);
+    out->stored = jo_contact_energy(jo_contact_phase(state), &y.point);
     jo_track_loads(&y.at, &y.part, F, still, load);
     for (int i = 0; i < 2; i++) jo_push(m, d, (int)JO_RE(y.part.piece->marker[i]), load[i][0].v, load[i][1].v);
     jo_push(m, d, f->b, load[2][0].v, load[2][1].v);
@@ -209,7 +209,7 @@ static double longest_step(const jo_model *m, const jo_data *d, const jo_force *
 {
     rider y;
     if (explicit_method && jo_contact_phase(states(d, f)) != JO_CONTACT_APART) present(m, d, f, states(d, f), &y);
-    return jo_contact_longest_step(jo_contact_law_of(f), states(d, f), d->time[0], explicit_method ? &y.point : 0);
+    return jo_contact_longest_step(jo_contact_law_of(f), states(d, f), d->time[0], explicit_method, explicit_method ? &y.point : 0);
 }
 
 static int ease(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *state)

@@ -14,13 +14,11 @@ static jo_real power(jo_real x, jo_real n)
 #endif
 }
 
-/* exponential, logarithm, arc tangent and hyperbolic tangent of numbers that may have an imaginary part */
+/* arc tangent and hyperbolic tangent of numbers that may have an imaginary part */
 #ifdef JO_COMPLEX
-#define JO_LOG clog
 #define JO_ATAN catan
 #define JO_TANH ctanh
 #else
-#define JO_LOG log
 #define JO_ATAN atan
 #define JO_TANH tanh
 #endif
@@ -34,7 +32,7 @@ static jo_real result(int operation, jo_real a, jo_real b, jo_real c)
     case JO_DO_divide: return a / b;
     case JO_DO_sqrt: return jo_sqrt(a);
     case JO_DO_exp: return jo_exp(a);
-    case JO_DO_log: return JO_LOG(a);
+    case JO_DO_log: return jo_log(a);
     case JO_DO_sin: return jo_sin(a);
     case JO_DO_cos: return jo_cos(a);
     case JO_DO_atan: return JO_ATAN(a);

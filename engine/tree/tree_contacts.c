@@ -15,7 +15,7 @@ int jo_tree_takes_contacts(const jo_model *m)
     int count = 0, bodies = 0, sets = 0;
     if (!m->nlink || jo_mixed(m) || m->nloop || m->nfriction) return 0;
     for (int i = 0; i < m->nforce; i++) {
-        if (m->force[i].type != JO_FORCE_contact_slot) count += jo_contact_points(&m->force[i]);
+        if (m->force[i].type != JO_FORCE_contact_slot) count += jo_contact_blocks(&m->force[i]);
         sets += jo_is_contact_set(&m->force[i]);
     }
     for (int i = 0; sets && i < m->nlink; i++) bodies += m->link[i].type == JO_LINK_FREE;
@@ -25,7 +25,7 @@ int jo_tree_takes_contacts(const jo_model *m)
 void jo_tree_contact_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
     int count = 0;
-    for (int i = 0; i < m->nforce; i++) count += jo_contact_points(&m->force[i]);
+    for (int i = 0; i < m->nforce; i++) count += jo_contact_blocks(&m->force[i]);
     const int closed = jo_tree_takes_contacts(m) ? 3 * (count < JO_TREE_CLOSED ? count : JO_TREE_CLOSED) : 0;
     const int n = jo_tree_takes_contacts(m) ? closed + jo_network_rows(m) : 0;
     d->tree.contact_jacobian = jo_take_reals(a, closed * m->nu);
@@ -45,6 +45,9 @@ static void add_column(jo_contact_matrix *c, const jo_real *A, int j, double sig
     for (int i = 0; i < 3; i++) c->J[0][i * n + j] += sign * y[i];
 }
 
+/* velocity of the contact point, or angular velocity, with a unit angular velocity about an axis */
+static jo_vec turned_by(const jo_contact_matrix *c, jo_vec axis, jo_vec arm) { return c->turns ? axis : jo_vec_cross(axis, arm); }
+
 /* columns of the joints between a link and the ground */
 static void add_path(const jo_model *m, jo_data *d, jo_contact_matrix *c, int link, double sign)
 {
@@ -54,11 +57,11 @@ static void add_path(const jo_model *m, jo_data *d, jo_contact_matrix *c, int li
         const jo_link *k = &m->link[i];
         const jo_link_work *w = &d->tree.link[i + 1];
         const jo_vec arm = jo_vec_sub(point, w->p);
-        if (k->type == JO_LINK_HINGE) add_column(c, A, k->u, sign, jo_vec_cross(w->A[2], arm));
-        if (k->type == JO_LINK_SLIDE) add_column(c, A, k->u, sign, w->A[2]);
+        if (k->type == JO_LINK_HINGE) add_column(c, A, k->u, sign, turned_by(c, w->A[2], arm));
+        if (k->type == JO_LINK_SLIDE && !c->turns) add_column(c, A, k->u, sign, w->A[2]);
         const int turns = k->type == JO_LINK_BALL ? k->u : k->type == JO_LINK_FREE ? k->u + 3 : -1;
-        for (int j = 0; j < 3 && turns >= 0; j++) add_column(c, A, turns + j, sign, jo_vec_cross(w->A[j], arm));
-        for (int j = 0; j < 3 && k->type == JO_LINK_FREE; j++)
+        for (int j = 0; j < 3 && turns >= 0; j++) add_column(c, A, turns + j, sign, turned_by(c, w->A[j], arm));
+        for (int j = 0; j < 3 && k->type == JO_LINK_FREE && !c->turns; j++)
             add_column(c, A, k->u + j, sign, jo_vec_make(jo_same(j == 0), jo_same(j == 1), jo_same(j == 2)));
     }
 }
@@ -83,6 +86,10 @@ static void add_force(const jo_model *m, jo_data *d, const jo_contact_matrix *c,
         if (link < 0) continue;
         jo_link_response *r = &d->tree.response[link + 1];
         const jo_vec f = jo_vec_scale(jo_same(s ? 1.0 : -1.0), jo_vec_load(world));
+        if (c->turns) {   /* a moment */
+            r->t = jo_vec_add(r->t, f);
+            continue;
+        }
         const jo_vec arm = jo_vec_sub(jo_vec_load(c->point), d->tree.link[link + 1].p);
         r->f = jo_vec_add(r->f, f);
         r->t = jo_vec_add(r->t, jo_vec_cross(arm, f));

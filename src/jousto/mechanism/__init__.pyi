@@ -9,6 +9,11 @@ from .contacts.collision import (
     Surface as Surface,
     SurfacePair as SurfacePair,
 )
+from .contacts.curves import (
+    HertzLine as HertzLine,
+    JohnsonLine as JohnsonLine,
+    TableLaw as TableLaw,
+)
 from .contacts.ellipsoid import Ellipsoid as Ellipsoid
 from .contacts.laws import (
     Hertz as Hertz,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import expm1, log1p, sqrt
-from typing import Any
+from typing import Any, ClassVar
 
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
@@ -15,10 +15,30 @@ SLOWEST = 1e-3
 """Speed of approach below which a touch counts as one with this speed, m/s."""
 
 
+NUMBERS = {
+    "stiffness": 0.0,
+    "exponent": 1.0,
+    "damping": 0.0,
+    "slowest": 1.0,
+    "viscous": 0.0,
+    "full": 0.0,
+    "curve": 0.0,
+    "extent": 0.0,
+}
+"""Numbers of the normal force in the engine, as they are where a law does not give them."""
+
+
 class ContactLaw(Declared, section="contact laws", by_value=True):
-    """Base of the laws of contact."""
+    """Base of the laws of contact.
+
+    Attributes
+    ----------
+    curve : int
+        Form of the force over the depth in the engine, ``JO_CURVE_POWER``: 0, a power.
+    """
 
     kind = "law of contact"
+    curve: ClassVar[int] = 0
 
     @property
     def asked(self) -> float:
@@ -30,7 +50,7 @@ class ContactLaw(Declared, section="contact laws", by_value=True):
         raise NotImplementedError
 
 
-class _Rebounding(ContactLaw):
+class Rebounding(ContactLaw):
     """Base of the laws with a coefficient of restitution."""
 
     restitution: Number = field(
@@ -55,8 +75,13 @@ class _Rebounding(ContactLaw):
         """Damping u of ``N = K d^n (1 + u d' / v_in)``."""
         return damping_of(self.restitution)
 
+    @property
+    def loss(self) -> dict[str, float]:
+        """Numbers of the engine's law by which energy is lost."""
+        return {"damping": self.damping, "slowest": self.slowest}
 
-class Hertz(_Rebounding, tag="hertz"):
+
+class Hertz(Rebounding, tag="hertz"):
     """Elastic spheres: ``N = K d^1.5 (1 + u d' / v_in)``, ``K = 4/3 E* sqrt(R)``.
 
     ``1/E* = sum (1 - nu^2)/E`` and ``1/R = 1/R_1 + 1/R_2`` of both bodies (K. L. Johnson, Contact
@@ -71,22 +96,16 @@ class Hertz(_Rebounding, tag="hertz"):
         cls, material: Material, other: Material | None = None, *, restitution: float = 0.5
     ) -> Hertz:
         """Return the law between two materials; `other` None: the same one."""
-        both = (material, other or material)
-        modulus = float(1.0 / sum((1.0 - one.nu**2) / one.E for one in both))
-        return cls(modulus, restitution=restitution)
+        return cls(modulus_of(material, other), restitution=restitution)
 
     def numbers(self, curvature: float | None) -> dict[str, float]:
         """Stiffness, exponent and damping."""
         assert curvature is not None and curvature > 0.0
-        return {
-            "stiffness": 4.0 / 3.0 * self.modulus / sqrt(curvature),
-            "exponent": 1.5,
-            "damping": self.damping,
-            "slowest": self.slowest,
-        }
+        stiffness = 4.0 / 3.0 * self.modulus / sqrt(curvature)
+        return self.loss | {"stiffness": stiffness, "exponent": 1.5}
 
 
-class PowerLaw(_Rebounding, tag="power-law"):
+class PowerLaw(Rebounding, tag="power-law"):
     """``N = K d^n (1 + u d' / v_in)``, never pulling, with the restitution that is asked for.
 
     The law of Hunt and Crossley (Journal of Applied Mechanics 42, 1975, 440-445) with ``u (1 + e) =
@@ -106,12 +125,7 @@ class PowerLaw(_Rebounding, tag="power-law"):
 
     def numbers(self, curvature: float | None) -> dict[str, float]:
         """Stiffness, exponent and damping."""
-        return {
-            "stiffness": self.stiffness,
-            "exponent": self.exponent,
-            "damping": self.damping,
-            "slowest": self.slowest,
-        }
+        return self.loss | {"stiffness": self.stiffness, "exponent": self.exponent}
 
 
 class Impact(ContactLaw, tag="impact"):
@@ -155,13 +169,19 @@ class ContactLawField(Nested[ContactLaw, ContactLaw]):
 
     section = "contact laws"
     room = "jousto.mechanism.contacts"
-    noun = "Hertz, PowerLaw, Impact or SpringDamper"
+    noun = "Hertz, PowerLaw, Impact, SpringDamper or another law"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the law, or report a value of another type."""
         if not isinstance(value, ContactLaw):
             problems.add(where, f"{self.label} is {value!r}, must be {self.noun}(...)", self.key)
         return value
+
+
+def modulus_of(material: Material, other: Material | None = None) -> float:
+    """Return E* of two materials, ``1/E* = sum (1 - nu^2)/E``, Pa; `other` None: the same one."""
+    both = (material, other or material)
+    return float(1.0 / sum((1.0 - one.nu**2) / one.E for one in both))
 
 
 def damping_of(e: float) -> float:

@@ -9,12 +9,14 @@ from jousto.base.errors import Problems
 from jousto.base.fields import Choice, field
 from jousto.base.numbers import DefaultNumber, Number
 from jousto.mechanism.bodies.marker import Marker, MarkerField
-from jousto.mechanism.contacts.effective_mass import mobility
+from jousto.mechanism.contacts.curves import TABLE, TableLaw
+from jousto.mechanism.contacts.effective_mass import angular_mobility, mobility
 from jousto.mechanism.contacts.friction import default_static
-from jousto.mechanism.contacts.laws import ContactLawField, Hertz
+from jousto.mechanism.contacts.laws import NUMBERS, ContactLawField, Hertz
 from jousto.mechanism.contacts.pairing import POINTS, check_pair, most_points, paired
 from jousto.mechanism.contacts.shapes import Shape, ShapeField, Tip, touching
 from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.forces.friction import SmoothField
 from jousto.mechanism.forces.law import EngineLaw
 
 STATES = {
@@ -32,9 +34,12 @@ SHEAR = 0.8235294117647058
 
 POINT_STATES = STATES | {"features": "1", "weight": "1"}
 """States of a point of two polytopes: also which features touch, and its share of the stiffness."""
+TURN = {"turn x": "rad", "turn y": "rad", "turn z": "rad"}
+"""Turn of the bristle of a contact that resists rolling and drilling."""
+TURN_NUMBERS = ("rolling", "drilling", "inertia")
 LAW_NUMBERS = (
     *("stiffness", "exponent", "damping", "slowest", "viscous", "full"),
-    *("shear", "mass", "duration", "resolve", "restitution"),
+    *("curve", "extent", "velocity", "shear", "mass", "duration", "resolve", "restitution"),
 )
 RESOLVE = ("cut", "impulse", "report")
 """How a touch is resolved, in the order of ``JO_RESOLVE_CUT`` of the engine."""
@@ -57,8 +62,8 @@ def point_states(points: int) -> dict[str, str]:
 EngineLaw(
     "contact",
     units={"mu_static": "1", "mu_kinetic": "1"},
-    constants=("shape", "size", "centre", "radius", "ring", "around", *LAW_NUMBERS),
-    states=STATES,
+    constants=("shape", "size", "centre", "radius", "ring", "around", *LAW_NUMBERS, *TURN_NUMBERS),
+    states=STATES | TURN,
     between=True,
     fast={"contacts": ()},
     yields=True,
@@ -82,6 +87,11 @@ class Contact(ForceElement, tag="contact"):
     tips of a capsule or cuboid touch hollow shapes, and the rim of a torus a half-space. The depth
     d of the overlap gives the normal force by the law. Both bodies receive it at one common point,
     in the middle of the overlap, so that momentum is kept exactly.
+
+    ``rolling`` and ``drilling`` are lengths l of moments up to ``l N`` against rolling and against
+    turning about the normal; below the moment acts through a bristle, so that a ball that has come
+    to rest does not creep. ``friction=Regularised(velocity)`` replaces the bristle of the slip by a
+    smooth function of its velocity; what would stick then creeps.
 
     Two faces touch at the corners of the area that they share, up to 8. Each has the law, times a
     weight: 1 at each of four corners of a whole rectangular face; the sum of the weights follows
@@ -137,6 +147,25 @@ class Contact(ForceElement, tag="contact"):
         kw_only=True,
     )
 
+    friction: SmoothField = field(
+        "Regularised(...) for friction as a smooth function of the slip velocity; None: a bristle",
+        default=None,
+        kw_only=True,
+    )
+    rolling: Number = field(
+        "Length l of the resistance to rolling, a moment up to l N; 0 for none",
+        unit="m",
+        least=0,
+        default=0.0,
+        kw_only=True,
+    )
+    drilling: Number = field(
+        "Length l of the resistance to turning about the normal, a moment up to l N; 0 for none",
+        unit="m",
+        least=0,
+        default=0.0,
+        kw_only=True,
+    )
     resolve: Choice = field(RESOLVES, words=RESOLVE, default="cut", kw_only=True)
 
     def __post_init__(self) -> None:
@@ -169,11 +198,44 @@ class Contact(ForceElement, tag="contact"):
                 f"sphere, not {self.shape_a.tag} and {self.shape_b.tag}; give a PowerLaw",
                 "law",
             )
+        if self._tips is None and self.law.curve == TABLE:
+            problems.add(
+                where,
+                f"a {self.shape_a.tag} and a {self.shape_b.tag} share the stiffness of their faces "
+                "among corners, which a TableLaw does not; give a PowerLaw",
+                "law",
+            )
         if self.resolve == "impulse":
             check_restitution(problems, where, self.law)
+        self._check_turn(problems, where)
         if self.mu_static < self.mu_kinetic:
             problems.add(
                 where, f"mu_static {self.mu_static:g} is below mu_kinetic {self.mu_kinetic:g}"
+            )
+
+    @property
+    def _turns(self) -> bool:
+        """Whether it resists rolling or drilling."""
+        return self.rolling > 0.0 or self.drilling > 0.0
+
+    def _check_turn(self, problems: Problems, where: str) -> None:
+        """Report resistance to rolling and drilling where there is none."""
+        if not self._turns:
+            return
+        word = "rolling" if self.rolling else "drilling"
+        if self._tips is None:
+            problems.add(
+                where,
+                f"a {self.shape_a.tag} and a {self.shape_b.tag} touch at corners, whose forces "
+                f"resist turning by themselves; leave out {word}",
+                word,
+            )
+        if self.resolve == "impulse":
+            problems.add(
+                where,
+                f"an impulse has no moment that resists {word}; take resolve='cut', or leave out "
+                f"{word}",
+                word,
             )
 
     @property
@@ -224,13 +286,13 @@ class Contact(ForceElement, tag="contact"):
     def _numbers(self, reach: float) -> dict[str, float]:
         """Numbers of the law for a point of b at a distance `reach` from its marker, m."""
         a, on, b, _ = self._sides
-        law = {"damping": 0.0, "slowest": 1.0, "viscous": 0.0, "full": 0.0}
-        law |= self.law.numbers(self._curvature)
+        law = NUMBERS | self.law.numbers(self._curvature)
         mass = 1.0 / (mobility(a, _reach(on)) + mobility(b, reach))
         return law | {
             "mu_static": self.mu_static,
             "mu_kinetic": self.mu_kinetic,
-            "shear": self.shear if self.mu_static else 0.0,
+            "shear": self.shear if self.mu_static and self.friction is None else 0.0,
+            "velocity": 0.0 if self.friction is None else self.friction.velocity,
             "resolve": RESOLVE.index(self.resolve),
             "restitution": getattr(self.law, "restitution", 0.0),
             "mass": mass,
@@ -246,6 +308,9 @@ class Contact(ForceElement, tag="contact"):
             "radius": tip.radius,
             "ring": tip.ring,
             "around": tip.place,
+            "rolling": self.rolling,
+            "drilling": self.drilling,
+            "inertia": 1.0 / (angular_mobility(a) + angular_mobility(b)),
             **self._numbers(hypot(*tip.centre) + tip.radius + tip.ring),
         }
         law, curvature = self.law, self._curvature
@@ -255,9 +320,10 @@ class Contact(ForceElement, tag="contact"):
         return Push(
             "contact",
             data,
+            rest=(law.rows,) if isinstance(law, TableLaw) else (),
             a=a,
             b=b,
-            states=tuple(STATES),
+            states=tuple(STATES | TURN if self._turns else STATES),
             pressure=pressure,
             thickness=self._thickness,
             restitution=self.law.asked,
@@ -286,8 +352,8 @@ class Contact(ForceElement, tag="contact"):
 
 
 def check_restitution(problems: Problems, where: str, law: Any) -> None:
-    """Report a law without a coefficient of restitution, which an impulse needs."""
-    if not hasattr(law, "restitution"):
+    """Report a law without a coefficient of restitution or a power, which an impulse needs."""
+    if not hasattr(law, "restitution") or law.curve:
         problems.add(
             where,
             f"resolve='impulse' needs a law with a restitution, not {type(law).__name__}; give a "

@@ -231,6 +231,13 @@ class Contacts(ForceElement, tag="contacts"):
                 "law",
             )
         for (a, b), pair in self.laws.items() if not problems.found else ():
+            if pair.law.curve:
+                problems.add(
+                    where,
+                    f"a set of contacts has no {type(pair.law).__name__}; give a PowerLaw, or a "
+                    "Contact for each pair",
+                    "law",
+                )
             if self.resolve == "impulse":
                 check_restitution(problems, where, pair.law)
             kinetic, static = pair.friction

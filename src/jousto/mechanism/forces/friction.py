@@ -68,6 +68,25 @@ class LawField(Nested["Law | None", Law]):
         return value
 
 
+class SmoothField(Nested["Regularised | None", "Regularised | None"]):
+    """Field of the smooth law of friction of a contact; None for a bristle."""
+
+    section = "laws"
+    room = "jousto.mechanism.forces"
+    noun = "Regularised"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the law, or report a value of another type."""
+        if value is not None and not isinstance(value, Regularised):
+            problems.add(
+                where,
+                f"friction is {value!r}, must be Regularised(velocity), or None for a bristle, "
+                "which sticks without creep",
+                "friction",
+            )
+        return value
+
+
 class RubbingJoint(Reference[Revolute | Prismatic | Cylindrical | DiscOnPlane, Any]):
     """Field of a joint that may have friction; a model file contains its name."""
 

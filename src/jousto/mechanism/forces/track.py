@@ -20,9 +20,10 @@ from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.beams.discretisation import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.bodies.marker import Marker, MarkerField, MarkersField
+from jousto.mechanism.contacts.curves import TABLE
 from jousto.mechanism.contacts.effective_mass import mobility
 from jousto.mechanism.contacts.friction import default_static
-from jousto.mechanism.contacts.laws import ContactLawField, Hertz
+from jousto.mechanism.contacts.laws import NUMBERS, ContactLawField, Hertz
 from jousto.mechanism.forces.base import ForceElement, Packed, Push
 from jousto.mechanism.forces.contact import LAW_NUMBERS, SHEAR, STATES, duration
 from jousto.mechanism.forces.law import EngineLaw
@@ -197,6 +198,8 @@ class TrackContact(ForceElement, tag="track-contact"):
                     "track",
                 )
                 return
+        if self.law.curve == TABLE:
+            problems.add(where, "a track has no TableLaw; give a PowerLaw", "law")
         for marker in self._markers:
             if marker.body is self.b.body:
                 problems.add(where, f"the track and the wheel are both on {marker.label!r}", "b")
@@ -288,14 +291,14 @@ class TrackContact(ForceElement, tag="track-contact"):
     @property
     def pushes(self) -> tuple[Push, ...]:
         """The contact as a law of the engine."""
-        law = {"damping": 0.0, "slowest": 1.0, "viscous": 0.0, "full": 0.0}
-        law |= self.law.numbers(1.0 / self.radius if self.radius else None)
+        law = NUMBERS | self.law.numbers(1.0 / self.radius if self.radius else None)
         track = max(mobility(marker, 0.0) for marker in self._markers)
         mass = 1.0 / (mobility(self.b, self.radius) + track)
         data = law | {
             "mu_static": self.mu_static,
             "mu_kinetic": self.mu_kinetic,
             "shear": self.shear if self.mu_static else 0.0,
+            "velocity": 0.0,
             "mass": mass,
             "duration": duration(mass, law["stiffness"], law["exponent"]),
             "resolve": 0.0,
