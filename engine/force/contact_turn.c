@@ -170,7 +170,7 @@ double jo_turn_rate(const jo_contact_data *x, const jo_contact_point *y)
 void jo_turn_implicit(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_contact_point *y)
 {
     static const jo_contact_change none;
-    static const jo_real zero[3];
+    static const jo_real zero[3] = {0.0, 0.0, 0.0};
     const jo_contact_data *x = (const jo_contact_data *)f->data;
     const jo_real *state = jo_states(m, d) + f->state;
     jo_contact_matrix *c = jo_contact_in_matrix(d, f->state + JO_TURN_FIRST);
