@@ -136,7 +136,8 @@ typedef enum { JO_COORDINATE_AXES = 1,        /* (axis_a of a) . (axis_b of b) *
                JO_COORDINATE_ACROSS = 7,
                JO_COORDINATE_RAIL_GAP = 8,    /* of a conical wheel on a rail, see rail_coordinate.c */
                JO_COORDINATE_RAIL_ROLLED = 9,
-               JO_COORDINATE_RAIL_ACROSS = 10
+               JO_COORDINATE_RAIL_ACROSS = 10,
+               JO_COORDINATE_ROPE = 11        /* between two sheaves, see rope_coordinate.c */
 } jo_coordinate_type;
 typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTATION = 3, JO_SENSOR_ANGULAR_VELOCITY = 4,
                JO_SENSOR_MODAL = 5, JO_SENSOR_REACTION = 6, JO_SENSOR_STRESS = 7, JO_SENSOR_ACCELERATION = 8,
@@ -234,8 +235,8 @@ typedef struct {
     int axis_a, axis_b;     /* AXES, ALONG */
     int turn;               /* ANGLE: index among the counted angles, else -1 */
     int link;               /* link whose joint coordinate equals plus or minus this coordinate; -1: none */
-    double radius;          /* RIM, ROLLED, ACROSS: of the disc; RAIL: of the wheel, m */
-    double cone, head;      /* RAIL: increase of the radius along the axle; radius of the head of the rail, m */
+    double radius;          /* RIM, ROLLED, ACROSS: of the disc; RAIL: of the wheel; ROPE: of the sheave of a, m */
+    double cone, head;      /* RAIL: increase of the radius along the axle; radius of the head of the rail; ROPE: head: of the sheave of b, m */
 } jo_coordinate;
 
 /* Constraint row: sum over i of factor_i coordinate_i - offset - signal(t) = 0; the offsets of optional joints are jo_data_held(). */

@@ -687,6 +687,16 @@ def _states(made: Made, _: Path) -> list[Call]:
         (words.Lag, {"name": "s", "input": x, "time": 0.1}),
         (words.Lead, {"name": "s", "input": x, "lead": 0.2, "lag": 0.1}),
         (words.StateSensor, {"name": "s", "of": x}),
+        (words.RopeSpan, {"a": jo.ground.at((0, 7, 0)), "b": hinge.b}),
+        (
+            words.Reeving,
+            {
+                "name": "r",
+                "path": (jo.ground.at((0, 7, 0)), hinge.b),
+                "radii": (0, 0),
+                "stiffness": 1.0,
+            },
+        ),
     ]
 
 

@@ -6,19 +6,6 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 
-/* atan2(y, x); complex build: first-order expansion in the imaginary parts */
-jo_real jo_arc_tangent(jo_real y, jo_real x)
-{
-#if defined(JO_COMPLEX)
-    const double u = creal(x), v = creal(y);
-    return atan2(v, u) + I * ((u * cimag(y) - v * cimag(x)) / (u * u + v * v));
-#elif defined(JO_VECTOR)
-    return jo_atan2(y, x);
-#else
-    return atan2(y, x);
-#endif
-}
-
 /* angle of (x, y) nearest to the last accepted one */
 static jo_real unwrapped(const jo_model *m, const jo_data *d, const jo_coordinate *c, jo_real y, jo_real x)
 {
@@ -64,6 +51,7 @@ void jo_coordinate_value(const jo_model *m, jo_data *d, int i)
     case JO_COORDINATE_RAIL_GAP:
     case JO_COORDINATE_RAIL_ROLLED:
     case JO_COORDINATE_RAIL_ACROSS: jo_rail_value(c, a, b, w); break;
+    case JO_COORDINATE_ROPE: jo_rope_value(c, a, b, w); break;
     default: {   /* ANGLE: atan2(f_b . g_a, f_b . f_a) */
         jo_real g[3], u[3], v[3];
         jo_axis(f, a->A, 0);
@@ -85,6 +73,14 @@ void jo_coordinates(const jo_model *m, jo_data *d, int count)
 {
     for (int i = 0; i < count; i++)
         if (!jo_coordinate_inactive(d, i)) jo_coordinate_value(m, d, i);
+}
+
+void jo_gradient_change(const jo_coordinate *c, const jo_marker_work *a, const jo_marker_work *b, const jo_real *dr, const jo_real *pa,
+                        const jo_real *pb, jo_real *along, jo_real *turn_a, jo_real *turn_b)
+{
+    if (c->type == JO_COORDINATE_ROPE) jo_rope_change(c, a, b, dr, pa, pb, along, turn_a, turn_b);
+    else if (c->type < JO_COORDINATE_RAIL_GAP) jo_rolling_change(c, a, b, dr, pa, pb, along, turn_a, turn_b);
+    else jo_rail_change(c, a, b, dr, pa, pb, along, turn_a, turn_b);
 }
 
 /* (u_a . h_b)'' without angular accelerations, u an axis of a: u'' . h + 2 u' . h' + u . h'' */
@@ -135,10 +131,10 @@ void jo_coordinate_rate(const jo_model *m, jo_data *d, int i)
     case JO_COORDINATE_ACROSS:
     case JO_COORDINATE_RAIL_GAP:
     case JO_COORDINATE_RAIL_ROLLED:
-    case JO_COORDINATE_RAIL_ACROSS: {   /* change of the gradient with the motion */
+    case JO_COORDINATE_RAIL_ACROSS:
+    case JO_COORDINATE_ROPE: {   /* change of the gradient with the motion */
         jo_real along[3], turn_a[3], turn_b[3];
-        if (c->type < JO_COORDINATE_RAIL_GAP) jo_rolling_change(c, a, b, v, oma, omb, along, turn_a, turn_b);
-        else jo_rail_change(c, a, b, v, oma, omb, along, turn_a, turn_b);
+        jo_gradient_change(c, a, b, v, oma, omb, along, turn_a, turn_b);
         w->bias = jo_dot3(along, v) + jo_dot3(turn_a, oma) + jo_dot3(turn_b, omb);
         break;
     }

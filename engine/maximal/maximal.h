@@ -68,6 +68,9 @@ typedef struct {
 void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accelerations, jo_motion *y);
 void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y);
 
+/* arc_tangent.c */
+jo_real jo_arc_tangent(jo_real y, jo_real x);   /* atan2 */
+
 /* rolling_coordinate.c */
 void jo_rolling_value(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, jo_coordinate_work *w);
 void jo_rolling_change(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, const jo_real *dr, const jo_real *pa,
@@ -78,6 +81,11 @@ void jo_rail_value(const jo_coordinate *q, const jo_marker_work *a, const jo_mar
 void jo_rail_change(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, const jo_real *dr, const jo_real *pa, const jo_real *pb,
                     jo_real *along, jo_real *turn_a, jo_real *turn_b);
 
+/* rope_coordinate.c */
+void jo_rope_value(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, jo_coordinate_work *w);
+void jo_rope_change(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, const jo_real *dr, const jo_real *pa, const jo_real *pb,
+                    jo_real *along, jo_real *turn_a, jo_real *turn_b);
+
 /* coordinate.c */
 void jo_coordinate_value(const jo_model *m, jo_data *d, int coordinate);   /* computes value, gradient */
 void jo_coordinate_rate(const jo_model *m, jo_data *d, int coordinate);    /* rate, bias */
@@ -85,7 +93,9 @@ void jo_coordinates(const jo_model *m, jo_data *d, int count);     /* value, gra
 void jo_coordinates_rate(const jo_model *m, jo_data *d, int count);   /* rate, bias */
 jo_real jo_coordinate_acceleration(const jo_model *m, const jo_data *d, int coordinate);
 void jo_count_turns(const jo_model *m, jo_data *d);                /* counted angles at the present state */
-jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* atan2 */
+/* change of the gradient of a coordinate of a disc, a rail wheel or a rope with changes of r_b - r_a and rotations of a and b */
+void jo_gradient_change(const jo_coordinate *c, const jo_marker_work *a, const jo_marker_work *b, const jo_real *dr, const jo_real *pa,
+                        const jo_real *pb, jo_real *along, jo_real *turn_a, jo_real *turn_b);
 
 /* constraints.c */
 jo_real jo_largest_residual(const jo_model *m, jo_data *d);         /* c of all joints; returns the largest one, m (jo_row_metres) */

@@ -134,10 +134,11 @@ static inline void gradient_change(const jo_data *d, const jo_coordinate *k, con
     }
     case JO_COORDINATE_RIM:
     case JO_COORDINATE_ROLLED:
-    case JO_COORDINATE_ACROSS: jo_rolling_change(k, a, b, dr, pa, pb, c->along, c->turn_a, c->turn_b); break;
+    case JO_COORDINATE_ACROSS:
     case JO_COORDINATE_RAIL_GAP:
     case JO_COORDINATE_RAIL_ROLLED:
-    case JO_COORDINATE_RAIL_ACROSS: jo_rail_change(k, a, b, dr, pa, pb, c->along, c->turn_a, c->turn_b); break;
+    case JO_COORDINATE_RAIL_ACROSS:
+    case JO_COORDINATE_ROPE: jo_gradient_change(k, a, b, dr, pa, pb, c->along, c->turn_a, c->turn_b); break;
     default: angle_change(a, b, pa, pb, c);
     }
 }

@@ -124,6 +124,7 @@ def test_every_joint_load_sensor_and_signal_is_exported_and_in_its_tuple():
         others |= set(kinds(section, "jousto.mechanism.contacts").values())
     names = ("Apart", "CollisionShape", "Surface", "SurfacePair")  # parts of a set of contacts
     names += ("Block", "States", "Equations", "Expression")  # equations beside the machine
+    names += ("Reeving", "RopeSpan")  # a block, and a coordinate
     others |= {getattr(jo.mechanism, name) for name in names}
     assert set(tuples) <= found <= set(tuples) | others
 

@@ -55,6 +55,7 @@ from .joints.rolling import (
     RollingDisc as RollingDisc,
     RollingWheel as RollingWheel,
 )
+from .joints.rope_span import RopeSpan as RopeSpan
 from .joints.switched import Lock as Lock, RigidStop as RigidStop
 from .numbers import with_numbers as with_numbers
 from .sensors.body import (
@@ -117,3 +118,4 @@ from .states.linear import (
     LinearSystem as LinearSystem,
     TransferFunction as TransferFunction,
 )
+from .states.reeving import Reeving as Reeving

@@ -562,7 +562,7 @@ def check_rotations(problems: Problems, mechanism: Members) -> None:
 def warn_unconnected(mechanism: Members) -> None:
     """Warn about bodies that no joint connects."""
     elements = (x for x in mechanism.forces if x.ties)
-    connections = (*mechanism.joints, *mechanism.couplings, *elements)
+    connections = (*mechanism.joints, *mechanism.couplings, *elements, *mechanism.blocks)
     joined = {id(marker.body) for item in connections for _, marker in markers_of(item)}
     for body in whole_bodies(mechanism):
         parts = body.bodies if isinstance(body, BeamBody) else (body,)

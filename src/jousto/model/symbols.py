@@ -23,6 +23,7 @@ from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.sensors.body import SiteSensor
 from jousto.mechanism.sensors.bridge import Bridge
 from jousto.mechanism.sensors.gauge import Attached
+from jousto.mechanism.states.block import Block
 from jousto.model.symbol_record import NO_TURN, SymbolPoint, SymbolShape
 
 MOST_SITES = 32  # maximum number of stress sites with a symbol
@@ -35,6 +36,7 @@ def symbols(mechanism: Mechanism, index: Mapping[int, int]) -> tuple[SymbolShape
         *map(make.joint, mechanism.joints),
         *map(make.coupling, mechanism.couplings),
         *map(make.force, mechanism.forces),
+        *(make.block(block) for block in mechanism.blocks if block.symbol),
         *map(make.friction, mechanism.frictions),
         *(symbol for sensor in mechanism.sensors for symbol in make.sensor(sensor)),
         *(symbol for body in mechanism.bodies for symbol in make.named(body)),
@@ -75,6 +77,13 @@ class SymbolMaker:
         """Return the symbol of a force element."""
         points, axis, fixed = self._pushed(force)
         return SymbolShape(force.name, force.symbol, "force", points, axis, fixed, _text(force))
+
+    def block(self, block: Block) -> SymbolShape:
+        """Return the symbol of a block that is seen, such as a rope."""
+        points = tuple(
+            self.point(at) if isinstance(at, Marker) else self.place(*at) for at in block.drawn_at
+        )
+        return SymbolShape(block.name, block.symbol, "force", points, text=_text(block))
 
     def friction(self, friction: Friction) -> SymbolShape:
         """Return the symbol of friction, at its joint."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field as keep
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -45,6 +45,8 @@ class Block(Declared, section="states"):
     """
 
     kind = "block"
+    symbol: ClassVar[str] = ""
+    """Name of the symbol in pictures; empty for none."""
     name: Name = field("Unique among the blocks")
 
     @property
@@ -65,6 +67,11 @@ class Block(Declared, section="states"):
 
     else:
         outputs = ()
+
+    @property
+    def drawn_at(self) -> tuple[Any, ...]:
+        """Markers, and points of bodies (body frame, m), at which pictures show the symbol."""
+        return ()
 
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return the equations with the states x by name."""
