@@ -47,8 +47,12 @@ typedef struct jo_contact_matrix {
     jo_real u[3], w[3], S[3];   /* J times the arguments of stiffness and damping in this stage, sum s_ij s_j' of the earlier stages */
 } jo_contact_matrix;
 
-/* number of points of a slot for two polytopes; 0: it is one for a tip */
-static inline int jo_slot_pair_points(const jo_force *f) { return (f->states - JO_SLOT_STATES) / JO_PAIR_STATES; }
+/* number of points of a slot for two polytopes; 0: it is one for a tip, with 6 or 9 states of a contact */
+static inline int jo_slot_pair_points(const jo_force *f)
+{
+    const int states = f->states - JO_SLOT_STATES;
+    return states % JO_PAIR_STATES ? 0 : states / JO_PAIR_STATES;
+}
 /* number of points of a force at which two bodies touch */
 static inline int jo_contact_points(const jo_force *f)
 {
@@ -61,11 +65,13 @@ static inline int jo_contact_first(const jo_force *f, int point)
     return f->state + (f->type == JO_FORCE_contact_slot ? JO_SLOT_STATES : 0) + JO_PAIR_STATES * point;
 }
 
-/* whether a contact resists rolling and drilling: it has the states of a turn from JO_TURN_FIRST on; and the number of its blocks in a matrix */
-enum { JO_TURN_FIRST = 6 };
+/* whether a contact, or that of a slot, may resist rolling and drilling: it has JO_TURN_STATES states of a turn from JO_TURN_FIRST on; and the
+ * number of its blocks in a matrix */
+enum { JO_TURN_FIRST = 6, JO_TURN_STATES = 3 };
 static inline int jo_contact_turns(const jo_force *f)
 {
     const jo_contact_data *x = (const jo_contact_data *)f->data;
+    if (f->type == JO_FORCE_contact_slot) return f->states == JO_SLOT_STATES + JO_TURN_FIRST + JO_TURN_STATES;
     return f->type == JO_FORCE_contact && (JO_RE(x->rolling) > 0.0 || JO_RE(x->drilling) > 0.0);
 }
 static inline int jo_contact_blocks(const jo_force *f) { return jo_contact_points(f) + jo_contact_turns(f); }

@@ -39,7 +39,7 @@ void jo_contact_layout(const jo_model *m, jo_data *d, jo_arena *a)
             jo_contact_matrix spare, *c = a->base ? &w->matrix[k] : &spare;
             c->declared = i;
             c->turns = point == points;
-            c->first = c->turns ? f->state + JO_TURN_FIRST : jo_contact_first(f, point);
+            c->first = c->turns ? jo_contact_first(f, 0) + JO_TURN_FIRST : jo_contact_first(f, point);
             c->room[0] = jo_take_reals(a, 3 * (slot ? most : jo_marker_velocities(m, f->a)));
             c->room[1] = jo_take_reals(a, 3 * (slot ? most : jo_marker_velocities(m, f->b)));
             if (a->base) w->of_state[c->first] = k;

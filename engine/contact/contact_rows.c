@@ -53,6 +53,12 @@ static void bind_law(const jo_contact_rows *y, const jo_shape_row *on, const jo_
     x->duration = law->span * pow(JO_RE(x->mass / x->stiffness), 1.0 / (JO_RE(law->exponent) + 1.0));
     x->resolve = jo_same(y->resolve);
     x->restitution = law->restitution;
+    x->velocity = law->velocity;
+    x->curve = law->curve;
+    x->extent = law->extent;
+    x->rolling = law->rolling;
+    x->drilling = law->drilling;
+    x->inertia = 1.0 / (on->angular + of->angular);
 }
 
 /* numbers of the contact of a tip on a shape, or of two polytopes */

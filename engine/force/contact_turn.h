@@ -4,9 +4,8 @@
 
 #include "force/contact_point.h"
 
-enum { JO_TURN_STATES = 3 };    /* stretch t of the bristle of turning, rad, in frame a */
-
-/* contact_turn.c: `state`: the first one of a point; y after jo_contact_press */
+/* contact_turn.c: `state`: the first one of a point, after whose states is the stretch t of the bristle of turning, rad, in frame a; y after
+ * jo_contact_press */
 jo_real jo_turn_energy(const jo_contact_data *x, const jo_real *state, const jo_contact_point *y);
 void jo_turn_moment(const jo_contact_data *x, const jo_real *state, const jo_contact_point *y, jo_real *M, jo_work *power);   /* adds M (3) on b */
 /* change dM (3) with the k-th motion of b, which changes the point by c; adds */

@@ -64,6 +64,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     present(m, d, f, states(d, f), &tip, &y);
     jo_contact_move_states(m, d, stage, x, f->state, &y);
     if (jo_contact_turns(f)) jo_turn_move_states(m, d, stage, f, &y);
+    else jo_contact_hold_states(m, d, stage, f->state + JO_CONTACT_STATES, f->states - JO_CONTACT_STATES);   /* of a slot */
     if (stage->contacts) add_implicit(m, d, stage, f, &tip, &y);
     *out = none;
     if (phase == JO_CONTACT_APART) {

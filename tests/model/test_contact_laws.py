@@ -224,5 +224,7 @@ def test_what_is_refused():
         CollisionShape("a", ground, HalfSpace()),
         CollisionShape("b", body["origin"], Sphere(1)),
     ]
-    with pytest.raises(jo.InputError, match="a set of contacts has no JohnsonLine"):
-        Contacts("c", shapes, law=JohnsonLine(1e11, 0.1, 0.1))
+    with pytest.raises(jo.InputError, match="a set of contacts has no TableLaw"):
+        Contacts("c", shapes, law=TableLaw(D, F))
+    with pytest.raises(jo.InputError, match="an impulse has no moment that resists rolling"):
+        Contacts("c", shapes, law=PowerLaw(1e6), rolling=0.1, resolve="impulse")

@@ -8,7 +8,20 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.mechanism import Capsule, Contact, Cuboid, HalfSpace, PowerLaw, Sphere, SpringDamper
+from jousto.mechanism import (
+    Capsule,
+    CollisionShape,
+    Contact,
+    Contacts,
+    Cuboid,
+    HalfSpace,
+    PowerLaw,
+    Regularised,
+    Sphere,
+    SpringDamper,
+    Surface,
+    SurfacePair,
+)
 from jousto.simulation import State
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*moves freely", "ignore:.*energy balance")
@@ -197,3 +210,77 @@ def test_what_is_refused():
         Contact("c", *at, PowerLaw(1e6, 1.0), drilling=0.01, resolve="impulse")
     with pytest.raises(jo.InputError, match="rolling.*-1"):
         Contact("c", *at, PowerLaw(1e6, 1.0), rolling=-1.0)
+
+
+# -- in sets --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("core", CORES)
+@pytest.mark.parametrize("solver", SOLVERS, ids=name_of)
+@pytest.mark.parametrize("smooth", [False, True], ids=["bristle", "smooth"])
+def test_a_set_moves_as_one_contact_a_pair(solver, core, smooth):
+    """Two balls with lengths of their surfaces, and a box beside them, on one floor."""
+    lengths = ((2e-3, 4e-3), (0.0, 1e-3))
+    friction = Regularised(0.05) if smooth else None
+    balls = [
+        jo.RigidBody(
+            f"b{i}",
+            1.0,
+            (0.004,) * 3,
+            position=(0.5 * i, 0, R - 1e-5),
+            velocity=(0.5, 0, 0),
+            angular_velocity=(0, 5, 10.0),
+        )  # fmt: skip
+        for i in range(2)
+    ]
+    box = jo.RigidBody("box", 1.0, (0.01,) * 3, position=(0, 1, 0.05))
+    law, ends = PowerLaw(1e8), []
+    floor = CollisionShape("floor", jo.ground["origin"], HalfSpace(), surface=Surface("floor"))
+    shapes = [
+        floor,
+        CollisionShape("box", box["origin"], Cuboid((0.1, 0.1, 0.1)), surface=Surface("box")),
+    ]
+    shapes += [
+        CollisionShape(
+            one.name,
+            one["origin"],
+            Sphere(R),
+            surface=Surface(one.name, mu_kinetic=0.4, rolling=l[0]),
+        )
+        for one, l in zip(balls, lengths, strict=True)
+    ]
+    pairs = [
+        SurfacePair("floor", one.name, mu_kinetic=0.4, drilling=l[1])
+        for one, l in zip(balls, lengths, strict=True)
+    ]
+    single: list[Any] = [
+        Contact(
+            one.name,
+            jo.ground["origin"],
+            HalfSpace(),
+            one["origin"],
+            Sphere(R),
+            law,
+            mu_kinetic=0.4,
+            rolling=l[0],
+            drilling=l[1],
+            friction=friction,
+        )  # fmt: skip
+        for one, l in zip(balls, lengths, strict=True)
+    ]
+    single.append(
+        Contact(
+            "box", jo.ground["origin"], HalfSpace(), box["origin"], Cuboid((0.1, 0.1, 0.1)), law
+        )
+    )
+    whole = Contacts("c", shapes, law=law, pairs=pairs, friction=friction, overlap="start")
+    assert "rolling 0.002 m, drilling 0.004 m" in str(whole.laws["floor", "b0"])
+    sensors = [jo.AngularVelocitySensor(f"w{i}", one["origin"]) for i, one in enumerate(balls)]
+    for touch in (single, [whole]):
+        gravity = jo.Gravity((0, 0, -G))
+        model = jo.compile(jo.Mechanism(*balls, box, *touch, gravity, *sensors), core=core)
+        run = jo.simulate(model, 0.3, solver=solver)
+        ends.append(np.concatenate([run[f"w{i}"][-1] for i in range(2)]))
+        assert abs(run.energy.error).max() < 1e-3
+    assert ends[0] == pytest.approx(ends[1], abs=1e-9)
+    assert 0 < ends[0][5] - ends[0][2]  # the second one spins on

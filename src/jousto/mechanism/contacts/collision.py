@@ -16,6 +16,8 @@ from jousto.mechanism.contacts.friction import default_static
 from jousto.mechanism.contacts.laws import ContactLaw, ContactLawField, Hertz
 from jousto.mechanism.contacts.shapes import ShapeField
 
+ROLLING = "Length l of the resistance to rolling, a moment up to l N; 0 for none"
+DRILLING = "Length l of the resistance to turning about the normal, a moment up to l N; 0 for none"
 ALL = "all"
 """Group of the shapes for which none is given."""
 
@@ -24,8 +26,8 @@ class Surface(Declared, by_value=True):
     """What a body is made of where it touches: elasticity, restitution and friction.
 
     The law between two surfaces is that of Hertz with ``1/E* = sum (1 - nu^2)/E``, the smaller of
-    both coefficients of restitution, and the geometric mean of both coefficients of friction;
-    `SurfacePair` replaces any of it.
+    both coefficients of restitution, the geometric mean of both coefficients of friction, and the
+    larger one of both lengths of resistance; `SurfacePair` replaces any of it.
 
     Examples
     --------
@@ -57,6 +59,8 @@ class Surface(Declared, by_value=True):
         default=None,
         kw_only=True,
     )
+    rolling: Number = field(ROLLING, unit="m", least=0, default=0.0, kw_only=True)
+    drilling: Number = field(DRILLING, unit="m", least=0, default=0.0, kw_only=True)
 
     def __post_init__(self) -> None:
         default_static(self)
@@ -80,6 +84,10 @@ class Surface(Declared, by_value=True):
             sqrt(self.mu_kinetic * other.mu_kinetic),
             sqrt(self.mu_static * other.mu_static),
         )
+
+    def lengths_with(self, other: Surface) -> tuple[float, float]:
+        """Return the lengths of resistance to rolling and drilling on another surface, m."""
+        return max(self.rolling, other.rolling), max(self.drilling, other.drilling)
 
 
 class OptionalContactLaw(ContactLawField):
@@ -142,10 +150,25 @@ class SurfacePair(Declared, by_value=True):
         default=None,
         kw_only=True,
     )
+    rolling: OptionalNumber = field(
+        "Length of the resistance to rolling; None: that of both",
+        unit="m",
+        least=0,
+        default=None,
+        kw_only=True,
+    )
+    drilling: OptionalNumber = field(
+        "Length of the resistance to turning about the normal; None: that of both",
+        unit="m",
+        least=0,
+        default=None,
+        kw_only=True,
+    )
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report a pair that replaces nothing."""
-        given: tuple[Any, ...] = (self.law, self.mu_kinetic, self.mu_static)
+        friction = (self.mu_kinetic, self.mu_static, self.rolling, self.drilling)
+        given: tuple[Any, ...] = (self.law, *friction)
         if all(value is None for value in given):
             problems.add(where, "gives neither a law nor friction; give one, or leave it out")
 
@@ -164,6 +187,12 @@ class SurfacePair(Declared, by_value=True):
         if self.mu_static is not None:
             return kinetic, self.mu_static
         return kinetic, usual[1] if self.mu_kinetic is None else kinetic
+
+    def lengths_or(self, usual: tuple[float, float]) -> tuple[float, float]:
+        """Return its lengths of resistance to rolling and drilling, or the usual ones, m."""
+        own: tuple[Any, Any] = (self.rolling, self.drilling)
+        rolling, drilling = (b if a is None else a for a, b in zip(own, usual, strict=True))
+        return rolling, drilling
 
 
 class Apart(Declared, by_value=True):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from math import gamma, hypot, pi, sqrt
 from typing import Any
 
@@ -10,9 +11,9 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.mechanism.contacts.collision import Apart, CollisionShape
-from jousto.mechanism.contacts.effective_mass import mobility
+from jousto.mechanism.contacts.effective_mass import angular_mobility, mobility
 from jousto.mechanism.contacts.ellipsoid import Ellipsoid
-from jousto.mechanism.contacts.laws import ContactLaw, Hertz
+from jousto.mechanism.contacts.laws import NUMBERS, ContactLaw, Hertz
 from jousto.mechanism.contacts.shapes import (
     Capsule,
     ConvexHull,
@@ -132,18 +133,46 @@ def polytope_numbers(shapes: Sequence[Shape], used: Sequence[bool]) -> tuple[Arr
     return np.concatenate([np.zeros(0), *parts]), places
 
 
-def law_row(law: ContactLaw, friction: tuple[float, float], shear: float) -> Array:
-    """Return the numbers of a law (12,) as in ``jo_law_row`` of the engine."""
-    usual = {"damping": 0.0, "slowest": 1.0, "viscous": 0.0, "full": 0.0}
-    x = usual | law.numbers(1.0)
-    kinetic, static = friction
+@dataclass(frozen=True)
+class PairLaw:
+    """Law, friction and resistance between two surfaces.
+
+    Parameters
+    ----------
+    law : ContactLaw
+        Law of the normal force.
+    friction : tuple of float
+        Coefficients of friction while they slip, and up to which they stick.
+    lengths : tuple of float
+        Lengths of the resistance to rolling and drilling, m.
+    """
+
+    law: ContactLaw
+    friction: tuple[float, float]
+    lengths: tuple[float, float] = (0.0, 0.0)
+
+    def __str__(self) -> str:
+        kinetic, static = self.friction
+        text = f"{self.law!r}, friction {kinetic:.4g} slips, {static:.4g} sticks"
+        if not any(self.lengths):
+            return text
+        return f"{text}, rolling {self.lengths[0]:.4g} m, drilling {self.lengths[1]:.4g} m"
+
+
+def law_row(pair: PairLaw, shear: float, velocity: float) -> Array:
+    """Return the numbers of a law (17,) as in ``jo_law_row`` of the engine.
+
+    ``shear``: ratio of the stiffness of the bristle; ``velocity``: that of smooth friction, m/s, 0
+    for a bristle.
+    """
+    law, (kinetic, static) = pair.law, pair.friction
+    x = NUMBERS | law.numbers(1.0)
     hertz = float(isinstance(law, Hertz))
     names = ("stiffness", "exponent", "damping", "slowest", "viscous", "full")
-    bristle = shear if static else 0.0
+    bristle = shear if static and not velocity else 0.0
     loss = getattr(law, "restitution", 0.0)
-    return np.array(
-        [hertz, *(x[key] for key in names), static, kinetic, bristle, span(x["exponent"]), loss]
-    )
+    usual = [hertz, *(x[key] for key in names), static, kinetic, bristle, span(x["exponent"]), loss]
+    return np.array([*usual, velocity, x["curve"], x["extent"], *pair.lengths])
 
 
 def shape_rows(
@@ -153,8 +182,8 @@ def shape_rows(
     surfaces: Sequence[int],
     groups: Sequence[int],
 ) -> tuple[Array, Array]:
-    """Return rows of the shapes (ns, 15) and of their tips (nt, 7) as in the engine."""
-    rows = np.zeros((len(shapes), 15))
+    """Return rows of the shapes (ns, 16) and of their tips (nt, 7) as in the engine."""
+    rows = np.zeros((len(shapes), 16))
     tips: list[tuple[float, ...]] = []
     for i, one in enumerate(shapes):
         shape = one.shape
@@ -165,6 +194,7 @@ def shape_rows(
             *curvatures(shape),
             mobility(one.marker, hypot(*shape.size)),
             mobility(one.marker, far),
+            angular_mobility(one.marker),
             *(polytopes[i], surfaces[i], groups[i]),
         )
         tips += [(i, *tip.centre, tip.radius, tip.ring, tip.place) for tip in shape.tips]
@@ -263,9 +293,3 @@ def coupled_bodies(rows: Array, meets: Array, body_of: Sequence[int]) -> list[se
                 continue
             found.append((some | others) - {-1})
     return found
-
-
-def pair_text(law: Any, friction: tuple[float, float]) -> str:
-    """Return a law and its friction in words."""
-    kinetic, static = friction
-    return f"{law!r}, friction {kinetic:.4g} slips, {static:.4g} sticks"

@@ -9,6 +9,7 @@ from jousto.base.errors import Problems
 from jousto.base.fields import Choice, field
 from jousto.base.numbers import DefaultNumber, Number
 from jousto.mechanism.bodies.marker import Marker, MarkerField
+from jousto.mechanism.contacts.collision import DRILLING, ROLLING
 from jousto.mechanism.contacts.curves import TABLE, TableLaw
 from jousto.mechanism.contacts.effective_mass import angular_mobility, mobility
 from jousto.mechanism.contacts.friction import default_static
@@ -16,7 +17,7 @@ from jousto.mechanism.contacts.laws import NUMBERS, ContactLawField, Hertz
 from jousto.mechanism.contacts.pairing import POINTS, check_pair, most_points, paired
 from jousto.mechanism.contacts.shapes import Shape, ShapeField, Tip, touching
 from jousto.mechanism.forces.base import ForceElement, Push
-from jousto.mechanism.forces.friction import SmoothField
+from jousto.mechanism.forces.friction import SMOOTH, SmoothField
 from jousto.mechanism.forces.law import EngineLaw
 
 STATES = {
@@ -147,25 +148,9 @@ class Contact(ForceElement, tag="contact"):
         kw_only=True,
     )
 
-    friction: SmoothField = field(
-        "Regularised(...) for friction as a smooth function of the slip velocity; None: a bristle",
-        default=None,
-        kw_only=True,
-    )
-    rolling: Number = field(
-        "Length l of the resistance to rolling, a moment up to l N; 0 for none",
-        unit="m",
-        least=0,
-        default=0.0,
-        kw_only=True,
-    )
-    drilling: Number = field(
-        "Length l of the resistance to turning about the normal, a moment up to l N; 0 for none",
-        unit="m",
-        least=0,
-        default=0.0,
-        kw_only=True,
-    )
+    friction: SmoothField = field(SMOOTH, default=None, kw_only=True)
+    rolling: Number = field(ROLLING, unit="m", least=0, default=0.0, kw_only=True)
+    drilling: Number = field(DRILLING, unit="m", least=0, default=0.0, kw_only=True)
     resolve: Choice = field(RESOLVES, words=RESOLVE, default="cut", kw_only=True)
 
     def __post_init__(self) -> None:
@@ -231,12 +216,7 @@ class Contact(ForceElement, tag="contact"):
                 word,
             )
         if self.resolve == "impulse":
-            problems.add(
-                where,
-                f"an impulse has no moment that resists {word}; take resolve='cut', or leave out "
-                f"{word}",
-                word,
-            )
+            refuse_turn(problems, where, word)
 
     @property
     def _paired(self) -> bool:
@@ -360,6 +340,15 @@ def check_restitution(problems: Problems, where: str, law: Any) -> None:
             "PowerLaw or Hertz",
             "resolve",
         )
+
+
+def refuse_turn(problems: Problems, where: str, word: str) -> None:
+    """Report resistance to rolling or drilling (`word`) of touches that are impulses."""
+    problems.add(
+        where,
+        f"an impulse has no moment that resists {word}; take resolve='cut', or leave out {word}",
+        word,
+    )
 
 
 def _reach(shape: Shape) -> float:

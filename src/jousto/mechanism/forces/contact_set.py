@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 from functools import cached_property, partial
 from math import inf
 from typing import Any, ClassVar
@@ -16,22 +15,25 @@ from jousto.base.fields import Choice, Flag, Items, field
 from jousto.base.numbers import DefaultNumber, Number, OptionalWhole
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.contacts.collision import (
+    DRILLING,
+    ROLLING,
     Apart,
     CollisionShape,
     OptionalContactLaw,
     Surface,
     SurfacePair,
 )
+from jousto.mechanism.contacts.curves import TABLE
 from jousto.mechanism.contacts.friction import default_static
 from jousto.mechanism.contacts.laws import ContactLaw
 from jousto.mechanism.contacts.meetings import Meetings, check_kinds, meetings
 from jousto.mechanism.contacts.pair_tables import (
+    PairLaw,
     coupled_bodies,
     excluded_keys,
     group_table,
     joined_bodies,
     law_row,
-    pair_text,
     polytope_numbers,
     shape_rows,
     touching_table,
@@ -43,9 +45,12 @@ from jousto.mechanism.forces.contact import (
     RESOLVES,
     SHEAR,
     STATES,
+    TURN,
     check_restitution,
     point_states,
+    refuse_turn,
 )
+from jousto.mechanism.forces.friction import SMOOTH, SmoothField
 from jousto.mechanism.forces.law import EngineLaw
 
 SLOT = {"touched": "1", "tip": "1"}
@@ -73,22 +78,11 @@ EngineLaw(
 EngineLaw(
     "contact slot",
     constants=("set", "number"),
-    states=SLOT | point_states(POINTS),
+    states=SLOT | point_states(POINTS) | TURN,
     between=True,
     fast={"contacts": ()},
     yields=True,
 ).declared()
-
-
-@dataclass(frozen=True)
-class PairLaw:
-    """Law and friction between two surfaces."""
-
-    law: ContactLaw
-    friction: tuple[float, float]
-
-    def __str__(self) -> str:
-        return pair_text(self.law, self.friction)
 
 
 class Contacts(ForceElement, tag="contacts"):
@@ -105,7 +99,8 @@ class Contacts(ForceElement, tag="contacts"):
 
     Two surfaces touch by the law of Hertz, see `Surface`; shapes without a surface by ``law``.
     ``laws`` shows what each pair became. Edges and corners have the stiffness of the largest
-    sphere in their shape.
+    sphere in their shape. Resistance to rolling and drilling acts where a sphere or the tip of a
+    shape touches; faces resist by the forces at their corners.
 
     Examples
     --------
@@ -175,6 +170,13 @@ class Contacts(ForceElement, tag="contacts"):
         kw_only=True,
     )
 
+    friction: SmoothField = field(SMOOTH, default=None, kw_only=True)
+    rolling: Number = field(
+        f"{ROLLING}; where a shape has no surface", unit="m", least=0, default=0.0, kw_only=True
+    )
+    drilling: Number = field(
+        f"{DRILLING}; where a shape has no surface", unit="m", least=0, default=0.0, kw_only=True
+    )
     resolve: Choice = field(RESOLVES, words=RESOLVE, default="cut", kw_only=True)
 
     def __post_init__(self) -> None:
@@ -231,15 +233,18 @@ class Contacts(ForceElement, tag="contacts"):
                 "law",
             )
         for (a, b), pair in self.laws.items() if not problems.found else ():
-            if pair.law.curve:
+            if pair.law.curve == TABLE:
                 problems.add(
                     where,
-                    f"a set of contacts has no {type(pair.law).__name__}; give a PowerLaw, or a "
-                    "Contact for each pair",
+                    "a set of contacts has no TableLaw; give a PowerLaw, or a Contact for each "
+                    "pair",
                     "law",
                 )
             if self.resolve == "impulse":
                 check_restitution(problems, where, pair.law)
+                for word, length in zip(("rolling", "drilling"), pair.lengths, strict=True):
+                    if length:
+                        refuse_turn(problems, where, word)
             kinetic, static = pair.friction
             if static < kinetic:
                 named = f"{a or 'no surface'} and {b or 'no surface'}"
@@ -276,13 +281,15 @@ class Contacts(ForceElement, tag="contacts"):
     def _law_between(self, a: str, b: str) -> PairLaw:
         one, other = self.surfaces[a], self.surfaces[b]
         if one is None or other is None:
-            return PairLaw(self.law, (self.mu_kinetic, self.mu_static))
+            usual = (self.rolling, self.drilling)
+            return PairLaw(self.law, (self.mu_kinetic, self.mu_static), usual)
         law: ContactLaw = one.law_with(other) or self.law
-        friction = one.friction_with(other)
+        friction, lengths = one.friction_with(other), one.lengths_with(other)
         for pair in self.pairs:
             if pair.applies(a, b):
                 law, friction = pair.law_or(law), pair.friction_or(friction)
-        return PairLaw(law, friction)
+                lengths = pair.lengths_or(lengths)
+        return PairLaw(law, friction, lengths)
 
     @cached_property
     def _meetings(self) -> Meetings:
@@ -355,7 +362,8 @@ class Contacts(ForceElement, tag="contacts"):
     def pushes(self) -> tuple[Push, ...]:
         """The set, and its slots."""
         numbers = partial(_slot_numbers, self)
-        slot = Push("contact slot", {}, states=tuple(SLOT | STATES), numbers=numbers)
+        turn = TURN if any(any(pair.lengths) for pair in self.laws.values()) else {}
+        slot = Push("contact slot", {}, states=tuple(SLOT | STATES | turn), numbers=numbers)
         states = tuple(SLOT | point_states(self._meetings.points))
         pair = Push("contact slot", {}, states=states, numbers=numbers)
         whole = Push("contact set", {}, numbers=self._numbers)
@@ -372,9 +380,10 @@ class Contacts(ForceElement, tag="contacts"):
         polytopes, starts = polytope_numbers(shapes, self._meetings.convex)
         groups = [self.groups[one.group] for one in self.shapes]
         rows, tips = shape_rows(self.shapes, places, starts, kinds, groups)
-        laws = np.zeros((len(names), len(names), 12))
+        laws = np.zeros((len(names), len(names), 17))
+        velocity = 0.0 if self.friction is None else self.friction.velocity
         for (a, b), pair in self.laws.items():
-            numbers = law_row(pair.law, pair.friction, self.shear)
+            numbers = law_row(pair, self.shear, velocity)
             laws[index[a], index[b]] = laws[index[b], index[a]] = numbers
         meets = group_table(self.groups, self.apart)
         joined = [] if self.joined else joined_bodies(builder.joined_bodies())

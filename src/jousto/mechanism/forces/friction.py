@@ -68,6 +68,9 @@ class LawField(Nested["Law | None", Law]):
         return value
 
 
+SMOOTH = "Regularised(...) for friction as a smooth function of the slip velocity; None: a bristle"
+
+
 class SmoothField(Nested["Regularised | None", "Regularised | None"]):
     """Field of the smooth law of friction of a contact; None for a bristle."""
 
