@@ -68,6 +68,7 @@ static inline int jo_contact_first(const jo_force *f, int point)
 /* whether a contact, or that of a slot, may resist rolling and drilling: it has JO_TURN_STATES states of a turn from JO_TURN_FIRST on; and the
  * number of its blocks in a matrix */
 enum { JO_TURN_FIRST = 6, JO_TURN_STATES = 3 };
+#ifndef JO_VECTOR
 static inline int jo_contact_turns(const jo_force *f)
 {
     const jo_contact_data *x = (const jo_contact_data *)f->data;
@@ -75,6 +76,7 @@ static inline int jo_contact_turns(const jo_force *f)
     return f->type == JO_FORCE_contact && (JO_RE(x->rolling) > 0.0 || JO_RE(x->drilling) > 0.0);
 }
 static inline int jo_contact_blocks(const jo_force *f) { return jo_contact_points(f) + jo_contact_turns(f); }
+#endif
 
 /* the contact with this first state */
 static inline jo_contact_matrix *jo_contact_in_matrix(const jo_data *d, int first) { return &d->contacts.matrix[d->contacts.of_state[first]]; }
