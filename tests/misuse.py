@@ -69,6 +69,7 @@ def calls(folder: Path) -> dict[str, Call]:
         _fatigue,
         _twins,
         _states,
+        _hydraulics,
         _studies,
         _design,
         _robots,
@@ -697,6 +698,43 @@ def _states(made: Made, _: Path) -> list[Call]:
                 "stiffness": 1.0,
             },
         ),
+    ]
+
+
+def _hydraulics(made: Made, _: Path) -> list[Call]:
+    h = jo.hydraulics
+    body = made["mechanism"].bodies[0]
+    flow = {"name": "s", "a": "A", "b": "B", "flow": 1e-3}
+    ends = {"name": "s", "a": jo.ground.at((-1.0, 0, 0)), "b": body["origin"]}
+    line = [h.Tank("T"), h.Node("A", 1e-3), h.Leak("leak", "A", "T", 1e-12)]
+    return [
+        (h.HydraulicNetwork, {"name": "s", "elements": line}),
+        (h.Oil, {}),
+        (h.Node, {"name": "s"}),
+        (h.Tank, {"name": "s"}),
+        (h.Supply, {"name": "s", "pressure": 1e6}),
+        (h.FlowSource, {"name": "s", "port": "A", "flow": 1e-3}),
+        (h.Orifice, flow),
+        (h.Leak, {"name": "s", "a": "A", "b": "B", "conductance": 1e-12}),
+        (h.CheckValve, flow),
+        (h.ReliefValve, flow | {"setting": 1e6}),
+        (
+            h.CounterbalanceValve,
+            {"name": "s", "load": "A", "line": "B", "setting": 1e6, "flow": 1e-3},
+        ),
+        (
+            h.DirectionalValve,
+            {"name": "s", "supply": "P", "tank": "T", "a": "A", "flow": 1e-3, "command": 1.0},
+        ),
+        (h.Cushion, {"length": 0.1, "flow": 1e-3}),
+        (
+            h.HydraulicCylinder,
+            ends | {"piston": "A", "bore": 0.05, "stroke": 9.0, "closed": 0.1},
+        ),
+        (h.Pump, {"name": "s", "a": "T", "b": "A", "displacement": 1e-6, "speed": 1.0}),
+        (h.HydraulicMotor, {"name": "s", "a": "T", "b": "A", "displacement": 1e-6, "speed": 1.0}),
+        (h.Accumulator, {"name": "s", "port": "A", "volume": 1e-3, "precharge": 1e6}),
+        (h.Hose, {"name": "s", "a": "A", "b": "B", "length": 1.0, "diameter": 0.01}),
     ]
 
 

@@ -152,3 +152,106 @@ def test_what_is_wrong_of_blocks_is_named(old: str, new: str, message: str) -> N
     assert old in BLOCKS
     with pytest.raises(InputError, match=message):
         jo.compile(parse_model(BLOCKS.replace(old, new)).mechanism)
+
+
+OIL = """
+bodies:
+  - {name: load, mass: 2000, inertia: [1, 1, 1], position: [0.8, 0, 0]}
+  - {name: rotor, mass: 1, inertia: [0.1, 0.1, 0.1]}
+joints:
+  - {type: prismatic, name: rail, a: ground.origin, b: load.origin, axis: [1, 0, 0]}
+  - {type: revolute, name: axle, a: ground.origin, b: rotor.origin, axis: [0, 0, 1]}
+states:
+  - {type: states, name: stick, initial: {u: 0}, rates: {u: (1 - u)/0.1}}
+  - type: hydraulics
+    name: oil
+    oil: {modulus: 1.2 GPa}
+    transition: 0.1 bar
+    elements:
+      - {type: tank, name: tank}
+      - {type: node, name: A, start: 20 bar}
+      - {type: node, name: B, volume: 0.2 l, start: 2 MPa}
+      - {type: node, name: P, volume: 1 l, start: 1 MPa}
+      - {type: pump, name: pump, a: tank, b: P, displacement: 28 cm3/rev, speed: 1500 rpm}
+      - {type: hydraulic-motor, name: motor, a: P, b: tank, displacement: 5 cm3/rev,
+         shaft: axle.angle}
+      - {type: relief-valve, name: relief, a: P, b: tank, setting: 210 bar, flow: 60 l/min}
+      - {type: directional-valve, name: valve, supply: P, tank: tank, a: A, b: B, flow: 40 l/min,
+         drop: 3.5 MPa, command: 0.5*stick.u, frequency: 60 Hz,
+         stuck: {type: ramp, start: 0.05, end: 0.06}}
+      - {type: cylinder, name: lift, a: ground.origin, b: load.origin, piston: A, rod_side: B,
+         bore: 63 mm, rod: 36 mm, stroke: 40 cm, closed: 0.5, damping: 2e4,
+         rod_cushion: {length: 30 mm, flow: 80 l/min}}
+sensors:
+  - {type: state, name: A, of: oil.A, unit: Pa}
+  - {type: state, name: x, of: oil.lift_x, unit: m}
+"""
+
+
+def test_a_hydraulic_network_equals_the_python_constructors() -> None:
+    from jousto import hydraulics as h
+    from jousto.mechanism import Expression
+
+    read = parse_model(OIL).mechanism
+    load, rotor = read.bodies
+    rail, axle = read.joints
+    rev, litre = 2 * np.pi, 1e-3 / 60
+    stick = States("stick", {"u": 0.0}, {"u": "(1 - u)/0.1"})
+    oil = h.HydraulicNetwork(
+        "oil",
+        [
+            h.Tank("tank"),
+            h.Node("A", start=2e6),
+            h.Node("B", 2e-4, start=2e6),
+            h.Node("P", 1e-3, start=1e6),
+            h.Pump("pump", "tank", "P", 28e-6 / rev, speed=25 * rev),
+            h.HydraulicMotor("motor", "P", "tank", 5e-6 / rev, shaft=axle.angle),
+            h.ReliefValve("relief", "P", "tank", setting=21e6, flow=60 * litre),
+            h.DirectionalValve(
+                *("valve", "P", "tank", "A", "B"),
+                flow=40 * litre,
+                command=0.5 * stick["u"],
+                frequency=60.0,
+                stuck=jo.Ramp(0.05, 0.06),
+            ),
+            h.HydraulicCylinder(
+                *("lift", jo.ground["origin"], load["origin"], "A", "B"),
+                bore=0.063,
+                rod=0.036,
+                stroke=0.4,
+                closed=0.5,
+                damping=2e4,
+                rod_cushion=h.Cushion(length=0.03, flow=80 * litre),
+            ),
+        ],
+        oil=h.Oil(modulus=1.2e9),
+    )
+    assert isinstance(oil["A"], Expression)
+    sensors = StateSensor("A", oil["A"], unit="Pa"), StateSensor("x", oil["lift_x"], unit="m")
+    made = jo.Mechanism(load, rotor, rail, axle, stick, oil, *sensors)
+    runs = [jo.simulate(jo.compile(one), 0.2, solver=jo.ROS2(1e-3)) for one in (read, made)]
+    for name in ("A", "x"):
+        assert runs[0][name] == pytest.approx(runs[1][name], rel=1e-10)
+    assert runs[0]["x"][-1, 0] - runs[0]["x"][0, 0] > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("setting: 210 bar", "setting: 210 l", "states.1.elements.6.setting: .*pressure"),
+        ("setting: 210 bar", "settings: 210 bar", "settings"),
+        ("piston: A", "piston: AA", "piston of cylinder 'lift' is 'AA', which is no node"),
+        ("28 cm3/rev", "28 cm3", "displacement"),
+        ("type: tank", "type: tnk", "no .* type 'tnk'; did you mean 'tank'"),
+        ("axle.angle", "axle.angel", "joint 'axle' has no angel"),
+        ("a: ground.origin, b: load.origin, piston", "a: ground.origin, b: lod.origin, piston",
+         "no body 'lod'"),
+        ("0.5*stick.u", "0.5*stik.u", "no block 'stik'; did you mean 'stick'"),
+        ("0.5*stick.u", "0.5*(stick.u", "elements.7.command"),
+        ("closed: 0.5", "closed: 0.1", "not within closed to closed"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_in_a_network_is_named(old: str, new: str, message: str) -> None:
+    assert old in OIL
+    with pytest.raises(InputError, match=message):
+        jo.compile(parse_model(OIL.replace(old, new)).mechanism)

@@ -407,6 +407,13 @@ def check_initials(problems: Problems, mechanism: Members) -> None:
                 f"drive {drive.name!r} gives value and rate of {s.name}; leave this out, or "
                 "the drive",
             )
+        for block in mechanism.blocks:
+            if block.starts_in_pose and initial.value is not None:
+                problems.add(
+                    where(initial),
+                    f"{block.kind} {block.name!r} has the oil of the declared pose at the start; "
+                    "place the bodies there instead, or take flow='volume'",
+                )
         if mechanism.beams:
             problems.add(
                 where(initial),

@@ -73,6 +73,11 @@ class Block(Declared, section="states"):
         """Markers, and points of bodies (body frame, m), at which pictures show the symbol."""
         return ()
 
+    @property
+    def starts_in_pose(self) -> bool:
+        """Whether initial values of states are those of the declared pose only."""
+        return False
+
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return the equations with the states x by name."""
         raise NotImplementedError

@@ -48,6 +48,8 @@ FORMS: dict[str, Callable[[Any], Any]] = {
     "choice": lambda field: Literal[field.words],
     "vector": lambda field: vector(field.unit),
     "nested": lambda field: one_of(field.section, field.room),
+    "several nested": lambda field: several(one_of(field.section, field.room)),
+    "port": lambda field: Text,
     "direction": lambda field: Direction,
     "marker": lambda field: Marker,
     "markers": lambda field: ROW[Marker, ...],

@@ -285,6 +285,7 @@ FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "series": series,
     "signal": signal,
     "items": items,
+    "several nested": items,
     "orientation": orientation,
     "signals": signals,
     "event": event,

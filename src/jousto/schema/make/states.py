@@ -10,6 +10,7 @@ from jousto.mechanism.states.expression import Expression, expression
 from jousto.mechanism.states.formula import FormulaError, formula
 from jousto.schema.entries.base import Entry
 from jousto.schema.make.declared import Place, build_coordinate, build_declared
+from jousto.schema.make.quantities import build_amount
 
 
 def formulas(place: Place, given: Mapping[str, Any]) -> Any:
@@ -28,15 +29,18 @@ def formulas(place: Place, given: Mapping[str, Any]) -> Any:
 def _value(place: Place, value: Any) -> Any:
     """Return a number in SI, a signal, a formula, or for inputs its expression."""
     if isinstance(value, Entry):
-        return build_declared(place.builder, place.loc, value, {}, "1")
+        return build_declared(place.builder, place.loc, value, {}, place.unit() or "1")
     if not isinstance(value, str):
         return value
     try:
-        return in_si(value)
+        found = in_si(value)
     except UnitError:
         if not getattr(place.field, "numbers", False):
             inputs = place.field.name == "inputs" or place.field.form != "formulas"
             return _input(place, value) if inputs else value
+    else:
+        unit = place.unit()  # fields without a unit accept any
+        return build_amount(place.builder, place.loc, value, unit) if unit else found
     place.builder.note(place.loc, f"{value!r} is no number with a unit")
     return None
 

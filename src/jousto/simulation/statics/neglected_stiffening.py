@@ -7,6 +7,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError, warn
 from jousto.model.model import BodyModel, Model
+from jousto.simulation.modes.linear import linearise
 from jousto.simulation.modes.spectrum import DENSE
 from jousto.simulation.second_order import linear_bodies, where_noticed
 from jousto.simulation.state import State
@@ -17,6 +18,7 @@ from jousto.simulation.statics.continuation import (
     spectrum,
 )
 from jousto.simulation.statics.residual import TIME, Balance
+from jousto.simulation.statics.states_rest import rest_with_states, state_systems
 
 MISSED = 0.05
 """Relative change of the mean deflection of a body above which a warning follows."""
@@ -26,6 +28,8 @@ STRAIGHT = 1e-5
 """Mean deflection over the size of the machine, below which a body is not bent."""
 WATCHED = 6
 """Number of modes with omega^2 nearest to zero that are checked for instability."""
+GROWS = 1e-8
+"""Real part of an eigenvalue over the largest one, above which a motion grows."""
 REMEDY = "reduce its part with stiffening=True"
 
 
@@ -51,15 +55,10 @@ def check_second_order(model: Model, at: State, where: str, told: set[str]) -> N
     loaded = where_noticed(model, at, where)
     if loaded is model:
         return
-    point = Point(at.q, at.lam, at.time)
-    linear, exact = (
-        Balance(one, TIME, at, where="equilibrium", frictionless=True) for one in (model, loaded)
-    )
     try:
-        step = least_step(exact, point)[0]
-        small = model.nv + model.nrow <= DENSE
-        falls = small and _unstable(exact, point) > _unstable(linear, point)
-    except NoConvergenceError:
+        change_of = _with_states if state_systems(model) else _by_one_step
+        changes, falls = change_of(model, loaded, at)
+    except (NoConvergenceError, SimulationError):
         return
     names = [model.bodies[k].name for k in parts]
     if falls:
@@ -75,7 +74,7 @@ def check_second_order(model: Model, at: State, where: str, told: set[str]) -> N
     least = max(LEAST * max(moved.values()), STRAIGHT * model.size)
     for k in parts:
         b = model.bodies[k]
-        change = _moved(b, step[b.iv + 6 : b.iv + 6 + b.n])
+        change = _moved(b, changes[k])
         share = change / max(moved[b.name], least)
         if share > MISSED and b.name not in told:
             warn(
@@ -83,6 +82,29 @@ def check_second_order(model: Model, at: State, where: str, told: set[str]) -> N
                 f"body '{b.name}' is linear: its neglected geometric stiffness would change its "
                 f"deflection by about {100.0 * share:.2g} %; {REMEDY}",
             )
+
+
+def _by_one_step(model: Model, loaded: Model, at: State) -> tuple[list[Array], bool]:
+    """Return the changes of the modal coordinates of all bodies, and whether the machine falls."""
+    point = Point(at.q, at.lam, at.time)
+    linear, exact = (
+        Balance(one, TIME, at, where="equilibrium", frictionless=True) for one in (model, loaded)
+    )
+    step = least_step(exact, point)[0]
+    small = model.nv + model.nrow <= DENSE
+    falls = small and _unstable(exact, point) > _unstable(linear, point)
+    return [step[b.iv + 6 : b.iv + 6 + b.n] for b in model.bodies], falls
+
+
+def _with_states(model: Model, loaded: Model, at: State) -> tuple[list[Array], bool]:
+    """Return the same for a machine with states, by its equilibrium and its eigenvalues."""
+    found = rest_with_states(loaded, at)
+    grow = []
+    for one, state in ((model, at), (loaded, found)):
+        poles = np.linalg.eigvals(linearise(one, state).A)
+        grow.append(int((poles.real > GROWS * np.abs(poles).max(initial=0.0)).sum()))
+    places = [slice(b.iq + 7, b.iq + 7 + b.n) for b in model.bodies]
+    return [found.q[place] - at.q[place] for place in places], grow[1] > grow[0]
 
 
 def _moved(body: BodyModel, p: Array) -> float:
