@@ -705,7 +705,7 @@ def _hydraulics(made: Made, _: Path) -> list[Call]:
     h = jo.hydraulics
     body = made["mechanism"].bodies[0]
     flow = {"name": "s", "a": "A", "b": "B", "flow": 1e-3}
-    ends = {"name": "s", "a": jo.ground.at((-1.0, 0, 0)), "b": body["origin"]}
+    ends = {"name": "s", "a": jo.ground.at((-1.0, 0, 0)), "b": body["start"]}
     line = [h.Tank("T"), h.Node("A", 1e-3), h.Leak("leak", "A", "T", 1e-12)]
     return [
         (h.HydraulicNetwork, {"name": "s", "elements": line}),

@@ -128,7 +128,7 @@ REFUSED: dict[str, tuple[Any, str]] = {
     ),
     "signal that is no number": (
         lambda: Orifice("o", "A", "B", flow=1.0, opening=[1.0]),
-        r"opening is \[1.0\], must be a number, a signal, an expression or 'block.name'",
+        r"opening is \[1.0\], must be an expression of states, inputs, numbers, signals",
     ),
 }
 

@@ -1,9 +1,9 @@
 # public names of jousto.hydraulics; each is loaded when it is first used
-from ..states.hydraulic_network import HydraulicNetwork as HydraulicNetwork
 from .accumulator import Accumulator as Accumulator
 from .cylinder import Cushion as Cushion, HydraulicCylinder as HydraulicCylinder
 from .directional_valve import DirectionalValve as DirectionalValve
 from .hose import Hose as Hose
+from .network import HydraulicNetwork as HydraulicNetwork
 from .nodes import FlowSource as FlowSource, Node as Node, Supply as Supply, Tank as Tank
 from .oil import Oil as Oil
 from .orifice import Leak as Leak, Orifice as Orifice

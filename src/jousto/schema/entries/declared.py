@@ -207,8 +207,10 @@ class Declarations(Tagged):
 
     Parameters
     ----------
-    section, room : str
+    section : str
         As for `kinds`.
+    room : str or tuple of str
+        Package that declares the classes, or several.
     implied : callable, optional
         Returns the type of a mapping without the key ``type``.
     others : mapping, optional
@@ -222,7 +224,7 @@ class Declarations(Tagged):
     def __init__(
         self,
         section: str,
-        room: str,
+        room: str | tuple[str, ...],
         implied: Implied = None,
         others: Others = NO_OTHERS,
         unsaid: tuple[str, ...] = (),
@@ -233,7 +235,7 @@ class Declarations(Tagged):
         self.unsaid = unsaid
         self.others = others
         self.section = section
-        self.room = room
+        self.rooms = (room,) if isinstance(room, str) else room
         self.imported = False
 
     def known(self, source: Any) -> Callable[[], Mapping[str, Any]]:
@@ -241,7 +243,8 @@ class Declarations(Tagged):
 
         def find() -> Mapping[str, Any]:
             if not self.imported:
-                kinds(self.section, self.room)
+                for room in self.rooms:
+                    kinds(self.section, room)
                 self.imported = True
             return (
                 {**SECTIONS[self.section], **self.others} if self.others else SECTIONS[self.section]

@@ -93,7 +93,7 @@ RobotEntry: Any = Annotated[Any, EntryOf("jousto.robots.in_mechanism", "RobotInM
 ElasticJointEntry: Any = Annotated[Any, EntryOf("jousto.mechanism.elastic_joint", "ElasticJoint")]
 OptimisationEntry: Any = Annotated[Any, EntryOf("jousto.schema.optimisation", "Optimisation")]
 ForceEntry: Any = one_of("forces", "jousto.mechanism.forces")
-StatesEntry: Any = one_of("states", "jousto.mechanism.states")
+StatesEntry: Any = one_of("states", ("jousto.mechanism.states", "jousto.mechanism.hydraulics"))
 
 
 class ParameterEntry(Entry):
