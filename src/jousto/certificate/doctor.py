@@ -34,6 +34,8 @@ from jousto.model.rank.redundancy import (
 from jousto.model.tree import BODIES, core_of
 
 TOUCHING = 1e-9  # depth over the size of the mechanism up to which shapes only touch
+RK4_STABLE = 2.785293563  # largest step times rate at which RK4 is stable
+FEW = 3  # largest number of states that are listed
 SHOWN = 5  # largest number of overlaps that are listed
 LARGE = 2000  # number of velocities above which the mobility with rigid bodies is not computed
 
@@ -82,6 +84,8 @@ class Diagnosis:
     explicit_step : float or None
         Step, s, below which RK4 is stable with the gear springs (`ElasticJoint`) and the springs,
         dampers and servos along their shafts; None without any.
+    fastest : tuple of (str, float)
+        Fastest pressures of hydraulic networks with the bounds of their rates, 1/s.
     overlaps : tuple of str
         Pairs of shapes that overlap at the start, with their depth.
     """
@@ -100,6 +104,7 @@ class Diagnosis:
     core: str = ""
     explicit_step: float | None = None
     overlaps: tuple[str, ...] = ()
+    fastest: tuple[tuple[str, float], ...] = ()
 
     def _facts(self) -> str:
         if self.problems:
@@ -146,6 +151,8 @@ class Diagnosis:
         if self.explicit_step is not None:
             text = f"RK4 needs a step below {1e3 * self.explicit_step:.3g} ms for the gear springs"
             out.append(("explicit", text))
+        if self.fastest:
+            out.append(("fastest states", _step_advice(self.fastest)))
         if self.overlaps:
             shown = ", ".join(self.overlaps[:SHOWN]) + (", ..." if self.overlaps[SHOWN:] else "")
             text = f"{shown}; move the bodies apart, or start from jo.equilibrium"
@@ -218,8 +225,29 @@ def doctor(mechanism: Mechanism | Model | Run) -> Diagnosis:
         core=core_of(model),
         explicit_step=explicit_step(model),
         overlaps=_overlaps(model),
+        fastest=_fastest(mechanism),
     )
     return _with_motions(diagnosis, model)
+
+
+def _fastest(mechanism: Mechanism | Model) -> tuple[tuple[str, float], ...]:
+    """Return the states with the largest bounds of their rates, 1/s, the fastest first."""
+    blocks = mechanism.blocks if isinstance(mechanism, Mechanism) else ()
+    rates = [pair for block in blocks for pair in block.fastest.items()]
+    return tuple(sorted(rates, key=lambda pair: -pair[1])[:FEW])
+
+
+def _step_advice(fastest: tuple[tuple[str, float], ...]) -> str:
+    """Return the rates, and the steps that methods need."""
+    shown = ", ".join(f"{name} up to {rate:.3g} 1/s" for name, rate in fastest)
+    if not fastest[0][1] > 0.0:
+        return shown
+    step = RK4_STABLE / fastest[0][1]
+    return (
+        f"{shown}; RK4 and DormandPrince need steps below {step:.2g} s while its edges are fully "
+        "open at no pressure drop, ROS2 and GeneralizedAlpha (rho up to 0.8) do not; take one of "
+        "these, or a larger volume there"
+    )
 
 
 def _overlaps(model: Model) -> tuple[str, ...]:

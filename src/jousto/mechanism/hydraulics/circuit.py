@@ -11,6 +11,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from jousto.mechanism.hydraulics.laws import edge
 from jousto.mechanism.hydraulics.oil import Oil
 from jousto.mechanism.joints.coordinate import Coordinate
@@ -34,8 +36,9 @@ class Place:
         Flow into the node, m3/s; in terms of the density at the atmosphere if mass is the state.
     least, first : float
         Smallest volume along the strokes, and that at the start, m3.
-    joined : int
-        Number of ports.
+    slope : float
+        Largest slope of the flows over the pressure: edges fully open at no pressure drop,
+        m3/s/Pa.
     """
 
     start: float
@@ -45,7 +48,7 @@ class Place:
     flow: Any = 0.0
     least: float = 0.0
     first: float = 0.0
-    joined: int = 0
+    slope: float = 0.0
 
 
 class Circuit:
@@ -155,7 +158,7 @@ class Circuit:
             q = q * density
         if port in self.nodes:
             at = self.nodes[port]
-            at.flow, at.joined = at.flow + q, at.joined + 1
+            at.flow = at.flow + q
         return q * self._head(p)
 
     def add_passage(self, a: str, b: str, q: Any) -> Any:
@@ -171,17 +174,30 @@ class Circuit:
                 self.supplied(-power)
         return -given - taken
 
-    def add_edge(self, element: str, a: str, b: str, kv: Any, flow: str = "flow") -> None:
-        """Add an edge with a flow coefficient from a to b, its heat, and its flow as an output."""
-        q = kv * edge(self.pressure(a) - self.pressure(b), self.transition)
+    def add_edge(
+        self, element: str, a: str, b: str, kv: float, opening: Any = 1.0, flow: str = "flow"
+    ) -> None:
+        """Add an edge with a flow coefficient and an opening, its heat, and its flow as an output.
+
+        Flow from a to b is positive.
+        """
+        q = kv * opening * edge(self.pressure(a) - self.pressure(b), self.transition)
+        self.add_slope(a, b, kv / self.transition**0.5)
         self.add_heat(element, self.add_passage(a, b, q))
         self.outputs[f"{element}_{flow}"] = q
 
     def add_leak(self, element: str, a: str, b: str, conductance: Any, flow: str = "flow") -> None:
         """Add a laminar leak from a to b, its heat, and its flow as an output."""
         q = conductance * (self.pressure(a) - self.pressure(b))
+        self.add_slope(a, b, constant(conductance) or 0.0)
         self.add_heat(element, self.add_passage(a, b, q))
         self.outputs[f"{element}_{flow}"] = q
+
+    def add_slope(self, a: str, b: str, slope: float) -> None:
+        """Add the largest slope of a flow between two ports over their pressures, m3/s/Pa."""
+        for port in (a, b):
+            if port in self.nodes:
+                self.nodes[port].slope += float(np.real(slope))
 
     def add_loss(self, element: str, port: str, conductance: Any) -> None:
         """Add a laminar leak from a port to the outside, where the oil is lost."""
@@ -204,6 +220,14 @@ class Circuit:
     def stored(self, power: Any) -> None:
         """Add a power that an element stores, W."""
         self._stored = self._stored + power
+
+    @property
+    def fastest(self) -> dict[str, float]:
+        """Largest rates of the pressures by node, 1/s, at the start and all edges open."""
+        return {
+            name: float(np.real(self.oil.modulus * at.slope / at.first))
+            for name, at in self.nodes.items()
+        }
 
     # -- equations of the nodes ----------------------------------------------------------------
 
@@ -273,6 +297,13 @@ class Circuit:
         self.outputs[f"{name}_vapour"] = maximum(at.volume - m / ratio(oil.floor), 0.0)
         # (m e)' = sum h m' - p V'
         self.stored(at.flow * self._head(p) - p * at.rate)
+
+
+def constant(x: Any) -> float | None:
+    """Return the number of an input that is one, else None."""
+    if isinstance(x, Expression):
+        return float(np.real(x.of)) if x.operation == "number" else None
+    return float(np.real(x))
 
 
 def limited(x: Any, low: float, high: float) -> Any:

@@ -174,6 +174,7 @@ class HydraulicCylinder(HydraulicElement, tag="cylinder"):
         # towards the chamber the check valve opens beside the edge
         dp = circuit.pressure(port) - circuit.pressure(name)
         q = kv * (opening + where(dp, 1.0, 0.0)) * edge(dp, circuit.transition)
+        circuit.add_slope(port, name, 2.0 * kv / circuit.transition**0.5)
         circuit.add_heat(self.name, circuit.add_passage(port, name, q))
         return name
 

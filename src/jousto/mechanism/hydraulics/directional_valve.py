@@ -85,7 +85,7 @@ class DirectionalValve(EdgeElement, tag="directional-valve"):
             ]
         for name, one, two, way, overlap in edges:
             opening = self.leak + (1.0 - self.leak) * spool_opening(way, overlap)
-            circuit.add_edge(self.name, one, two, self.kv * opening, f"{name}_flow")
+            circuit.add_edge(self.name, one, two, self.kv, opening, f"{name}_flow")
 
     def _spool(self, circuit: Circuit) -> Any:
         u = clip(self.command, -1.0, 1.0)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, Name, Nested, field
-from jousto.mechanism.states.expression import Expression
 
 if TYPE_CHECKING:
     from jousto.mechanism.hydraulics.circuit import Circuit
@@ -83,10 +82,3 @@ class ElementsField(Nested[Any, Any]):
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the elements as a tuple, or report other values."""
         return problems.several(where, self.label, value, HydraulicElement)
-
-
-def constant(x: Any) -> float | None:
-    """Return the number of an input that is one, else None."""
-    if isinstance(x, Expression) and x.operation == "number":
-        return float(x.of.real)
-    return None

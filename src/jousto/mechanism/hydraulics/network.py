@@ -9,8 +9,8 @@ from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.fields import Choice, Flag, Item, field, kept
 from jousto.base.numbers import Number
 from jousto.mechanism.hydraulics.accumulator import Accumulator
-from jousto.mechanism.hydraulics.circuit import Circuit
-from jousto.mechanism.hydraulics.element import ElementsField, HydraulicElement, constant
+from jousto.mechanism.hydraulics.circuit import Circuit, constant
+from jousto.mechanism.hydraulics.element import ElementsField, HydraulicElement
 from jousto.mechanism.hydraulics.hose import Hose
 from jousto.mechanism.hydraulics.nodes import FlowSource, Node, Supply, Tank
 from jousto.mechanism.hydraulics.oil import Oil
@@ -136,9 +136,9 @@ class HydraulicNetwork(Block, tag="hydraulics"):
         """Warn of pressures that seem to be in bar."""
         for one in self.elements:
             for key, kind in one.fields.items():
-                p = getattr(one, key) if key in IN_BAR or isinstance(one, Supply) else None
-                p = constant(p) if isinstance(p, Expression) else p
-                if kind.unit == "Pa" and isinstance(p, float) and 1 <= p < LEAST_IN_PASCAL:
+                given = getattr(one, key) if key in IN_BAR or isinstance(one, Supply) else None
+                p = None if kind.unit != "Pa" or given is None else constant(given)
+                if p is not None and 1 <= p < LEAST_IN_PASCAL:
                     text = f"{key} of {one.kind} {one.name!r} is {p:g} Pa"
                     warn(where, f"{text}, which is very low; write {p * 1e5:g} for {p:g} bar")
 
@@ -167,6 +167,11 @@ class HydraulicNetwork(Block, tag="hydraulics"):
         """Sizes of the states."""
         found: Mapping[str, float] = self._circuit.sizes
         return found
+
+    @property
+    def fastest(self) -> Mapping[str, float]:
+        """Largest rates of the states by name, 1/s: edges fully open at no pressure drop."""
+        return {f"{self.name}.{name}": rate for name, rate in self._circuit.fastest.items()}
 
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return the equations of the circuit."""

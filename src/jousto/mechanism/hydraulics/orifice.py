@@ -62,7 +62,7 @@ class Orifice(HydraulicElement, tag="orifice"):
             kv = area_coefficient(self.area or 0.0, self.discharge, circuit.oil.density)
         else:
             kv = coefficient(self.flow, self.drop)
-        circuit.add_edge(self.name, self.a, self.b, kv * self.opening)
+        circuit.add_edge(self.name, self.a, self.b, kv, self.opening)
 
 
 class Leak(HydraulicElement, tag="leak"):

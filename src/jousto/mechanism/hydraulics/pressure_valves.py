@@ -43,7 +43,7 @@ class ReliefValve(EdgeElement, tag="relief-valve"):
             circuit.set_rate(key, (opening - o) / self.lag)
             opening = o
         circuit.add_output(f"{self.name}_opening", opening)
-        circuit.add_edge(self.name, self.a, self.b, self.kv * opening)
+        circuit.add_edge(self.name, self.a, self.b, self.kv, opening)
 
 
 class CheckValve(EdgeElement, tag="check-valve"):
@@ -71,7 +71,7 @@ class CheckValve(EdgeElement, tag="check-valve"):
         dp = circuit.pressure(self.a) - circuit.pressure(self.b)
         opening = smooth_step((dp - self.cracking) / (self.full - self.cracking))
         opening = self.leak + (1.0 - self.leak) * opening
-        circuit.add_edge(self.name, self.a, self.b, self.kv * opening)
+        circuit.add_edge(self.name, self.a, self.b, self.kv, opening)
 
 
 class CounterbalanceValve(EdgeElement, tag="counterbalance-valve"):
@@ -118,7 +118,7 @@ class CounterbalanceValve(EdgeElement, tag="counterbalance-valve"):
         opening = smooth_step(x / self.full)
         check = smooth_step((back - p - self.cracking) / (self.check_full - self.cracking))
         circuit.add_output(f"{self.name}_opening", opening)
-        circuit.add_edge(self.name, self.load, self.line, self.kv * (opening + check))
+        circuit.add_edge(self.name, self.load, self.line, self.kv, opening + check)
 
 
 def _check_opening(problems: Problems, where: str, cracking: float, full: float) -> None:

@@ -74,6 +74,11 @@ class Block(Declared, section="states"):
         return ()
 
     @property
+    def fastest(self) -> Mapping[str, float]:
+        """Largest rates of quantities by name, 1/s, where the block has bounds of them."""
+        return {}
+
+    @property
     def starts_in_pose(self) -> bool:
         """Whether initial values of states are those of the declared pose only."""
         return False
