@@ -132,12 +132,12 @@ def test_a_pair_of_the_file_touches_whatever_its_masks(tmp_path):
 
 
 def test_friction_and_words_of_a_pair(tmp_path):
-    text = PAIRED.format(words=' friction=".3 .3" condim="3"', more="")
+    text = PAIRED.format(words=' friction=".3 .3 .02" condim="4" gap="0.1"', more="")
     robot = read_mjcf(write(tmp_path / "model.xml", text))
-    with pytest.warns(jo.JoustoWarning, match="condim of the file are not read"):
+    with pytest.warns(jo.JoustoWarning, match=": gap of the file are not read"):
         machine = mechanism(robot, contact=True)
     (pair,) = [one for one in machine.forces if isinstance(one, Contact)]
-    assert pair.mu_kinetic == 0.3
+    assert (pair.mu_kinetic, pair.drilling, pair.rolling) == (0.3, 0.02, 0.0)
     text = PAIRED.format(words="", more='<pair geom1="a" geom2="c"/>')
     robot = read_mjcf(write(tmp_path / "model.xml", text))
     with pytest.warns(jo.JoustoWarning, match="pass through each other: a - c"):
@@ -194,9 +194,25 @@ def test_larger_friction_of_both(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("condim", "mu", "lengths"),
+    [(1, 1.0, (0.0, 0.0)), (3, 1.0, (0.0, 0.0)), (4, 1.0, (0.0, 0.02)), (6, 1.0, (0.003, 0.02))],
+)
+def test_condim_and_all_numbers_of_friction(tmp_path, condim, mu, lengths):
+    """The larger one of each number of both counts; the floor has condim 3."""
+    words = f'size=".1" friction=".3 .02 .003" condim="{condim}" contype="1"'
+    text = MASKS.replace('size=".1" contype="1"', words)
+    path = write(tmp_path / "model.xml", text.format(a=3, b=1, more=""))
+    laws = contacts_in(mechanism(read_mjcf(path), contact=True)).laws
+    name = f"friction 0.3 0.02 0.003, condim {condim}"
+    (pair,) = [x for key, x in laws.items() if set(key) == {"friction 1", name}]
+    assert (pair.friction, pair.lengths) == ((mu, mu), lengths)
+    own = laws[name, name]
+    assert (own.friction[0], own.lengths) == (0.3 if condim > 1 else 0.0, lengths)
+
+
+@pytest.mark.parametrize(
     ("words", "said"),
     [
-        ('condim="6"', "condim of the file are not read"),
         ('margin="0.01" solref="0.02 1"', "margin, solref of the file are not read"),
         ('type="ellipsoid"', "pass through each other: ellipsoid - ellipsoid"),
     ],

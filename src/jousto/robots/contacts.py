@@ -11,10 +11,10 @@ from jousto.base.errors import warn
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.contacts.collision import Apart, CollisionShape, Surface, SurfacePair
 from jousto.mechanism.contacts.laws import PowerLaw
-from jousto.mechanism.contacts.pair_tables import NEITHER, tips_of_pair
+from jousto.mechanism.contacts.pair_tables import CONVEX, NEITHER, tips_of_pair
 from jousto.mechanism.forces.contact import Contact
 from jousto.mechanism.forces.contact_set import Contacts
-from jousto.robots.description import Collision, Robot
+from jousto.robots.description import Collision, Resistance, Robot
 
 DEPTH = 1e-4
 """Depth under the weight of the robot over the size of its smallest shape."""
@@ -33,9 +33,10 @@ def robot_contacts(
 ) -> list[Contacts | Contact]:
     """Return the contacts of a robot with itself and the world; none without two shapes.
 
-    The stiffness is that of a depth under the weight of `DEPTH` of the smallest shape; the friction
-    of a pair is the larger one of both shapes, as in MuJoCo. Pairs of kinds that cannot touch are
-    excluded, with a warning. A pair that the file names is a `Contact` of its own.
+    The stiffness is that of a depth under the weight of `DEPTH` of the smallest shape. Friction and
+    the lengths of the resistance to rolling and drilling are the larger ones of both shapes, and
+    ``condim`` says which of them act, as in MuJoCo. Pairs of kinds that cannot touch are excluded,
+    with a warning. A pair that the file names is a `Contact` of its own.
 
     Parameters
     ----------
@@ -60,27 +61,35 @@ def robot_contacts(
     law = PowerLaw(
         max(weight, 1e-3) / (DEPTH * min(sizes)), 1.0, restitution=RESTITUTION, slowest=SLOWEST
     )
-    surfaces = {x: Surface(f"friction {x:g}", mu_kinetic=x) for x in {c.friction for _, c in found}}
+    kinds = dict.fromkeys((one.friction, one.resistance) for _, one in found)
+    surfaces = {kind: surface_of(*kind) for kind in kinds}
     shapes = [
         CollisionShape(
             one.name,
             marker_of(link, one),
             one.shape,
-            surface=surfaces[one.friction],
+            surface=surfaces[one.friction, one.resistance],
             group=group_of(one),
         )
         for link, one in found
     ]
     pairs = [
-        SurfacePair(surfaces[a].name, surfaces[b].name, mu_kinetic=max(a, b))
-        for a, b in combinations_with_replacement(sorted(surfaces), 2)
-        if a != b
+        SurfacePair(surfaces[a].name, surfaces[b].name, **a[1].with_other(b[1]).of(max(a[0], b[0])))
+        for a, b in combinations(surfaces, 2)
     ]
     single = paired(robot, {one.name: one for one in shapes}, law)
     apart = [*excluded_groups([one for _, one in found]), *excluded_links(robot, found)]
     apart += [Apart(pair.a, pair.b) for pair in robot.pairs if {pair.a, pair.b} <= known(found)]
     whole = Contacts(name, shapes, law=law, pairs=pairs, apart=apart, overlap="start")
     return [whole, *single]
+
+
+def surface_of(friction: float, resistance: Resistance) -> Surface:
+    """Return the surface of shapes with a coefficient of friction and a resistance."""
+    name = f"friction {friction:g}"
+    if resistance != Resistance():
+        name += f" {resistance.drilling:g} {resistance.rolling:g}, condim {resistance.directions}"
+    return Surface(name, **resistance.of(friction))
 
 
 def known(found: Sequence[tuple[str, Collision]]) -> set[str]:
@@ -92,16 +101,20 @@ def paired(
     robot: Robot, shapes: Mapping[str, CollisionShape], law: PowerLaw, prefix: str = ""
 ) -> list[Contact]:
     """Return a contact for each pair that the file names; warn of those that cannot touch."""
-    friction = {one.name: one.friction for link in robot.links for one in link.collisions}
+    known = {one.name: one for link in robot.links for one in link.collisions}
     made, left_out = [], []
     for pair in robot.pairs:
         a, b = shapes.get(pair.a), shapes.get(pair.b)
         if a is None or b is None or tips_of_pair(a.shape, b.shape) == NEITHER:
             left_out.append(f"{pair.a} - {pair.b}")
             continue
-        mu = max(friction[pair.a], friction[pair.b]) if pair.friction is None else pair.friction
+        one, other = known[pair.a], known[pair.b]
+        mu = max(one.friction, other.friction) if pair.friction is None else pair.friction
+        acts = (pair.resistance or one.resistance.with_other(other.resistance)).of(mu)
+        if tips_of_pair(a.shape, b.shape) == CONVEX:  # faces resist by the forces at their corners
+            acts = {"mu_kinetic": acts["mu_kinetic"]}
         label = f"{prefix}{pair.a} {pair.b}"
-        made.append(Contact(label, a.marker, a.shape, b.marker, b.shape, law, mu_kinetic=mu))
+        made.append(Contact(label, a.marker, a.shape, b.marker, b.shape, law, **acts))
     if left_out:
         warn("contacts", f"these pairs of the file pass through each other: {', '.join(left_out)}")
     return made

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -42,6 +43,39 @@ class Frame:
         return Frame(-self.A.T @ self.r, self.A.T)
 
 
+@dataclass(frozen=True)
+class Resistance:
+    """What resists a shape that touches, as in MJCF files.
+
+    Parameters
+    ----------
+    drilling, rolling : float
+        Lengths of the moments about the normal and across it, m.
+    directions : int
+        1 for no friction, 3 for friction, 4 with drilling, 6 with rolling: ``condim``.
+    """
+
+    drilling: float = 0.005
+    rolling: float = 0.0001
+    directions: int = 3
+
+    def with_other(self, other: Resistance) -> Resistance:
+        """Return that of a pair: the larger one of each number."""
+        return Resistance(
+            max(self.drilling, other.drilling),
+            max(self.rolling, other.rolling),
+            max(self.directions, other.directions),
+        )
+
+    def of(self, friction: float) -> dict[str, Any]:
+        """Return the coefficient of friction and the lengths that act."""
+        return {
+            "mu_kinetic": friction if self.directions > 1 else 0.0,
+            "rolling": self.rolling if self.directions > 4 else 0.0,
+            "drilling": self.drilling if self.directions > 3 else 0.0,
+        }
+
+
 @dataclass(frozen=True, eq=False)
 class Collision:
     """Shape of a link that touches others.
@@ -58,6 +92,8 @@ class Collision:
         Name of the body in the file, by which pairs are excluded.
     friction : float
         Coefficient of friction.
+    resistance : Resistance
+        Lengths of the resistance to drilling and rolling, and which of them act.
     type_bits, affinity : int
         Masks: two shapes touch if the type of one shares a bit with the affinity of the other.
     unread : tuple of str
@@ -69,6 +105,7 @@ class Collision:
     frame: Frame
     body: str = ""
     friction: float = 1.0
+    resistance: Resistance = Resistance()
     type_bits: int = 1
     affinity: int = 1
     unread: tuple[str, ...] = ()
@@ -84,6 +121,8 @@ class ShapePair:
         Names of the shapes.
     friction : float or None
         Coefficient of friction; None: the larger one of both shapes.
+    resistance : Resistance or None
+        Its lengths; None: the larger ones of both shapes.
     unread : tuple of str
         Words of the file on the pair that are not read.
     """
@@ -91,6 +130,7 @@ class ShapePair:
     a: str
     b: str
     friction: float | None = None
+    resistance: Resistance | None = None
     unread: tuple[str, ...] = ()
 
 

@@ -13,7 +13,7 @@ from jousto.robots.description import Actuator, Frame, Link, Robot, ShapePair
 from jousto.robots.kinematics.tree import Tree
 from jousto.robots.readers import checks
 from jousto.robots.readers.meshes import Folders
-from jousto.robots.readers.mjcf_bodies import Bodies
+from jousto.robots.readers.mjcf_bodies import Bodies, resistance_of
 from jousto.robots.readers.mjcf_collected import Collected
 from jousto.robots.readers.mjcf_ties import (
     SINGLE,
@@ -128,10 +128,9 @@ def pairs_of(model: Bodies) -> list[ShapePair]:
     pairs = []
     for element in (x for section in model.root.all("contact") for x in section.all("pair")):
         a, b = (model.prefix + element.given.get(key, "") for key in ("geom1", "geom2"))
-        slide = model.reading.list(element, "friction") if "friction" in element.given else None
-        friction = None if slide is None or not len(slide) else float(slide[0])
+        friction, resistance = resistance_of(model.reading, element, 2)
         unread = tuple(word for word in PAIR_WORDS if word in element.given)
-        pairs.append(ShapePair(a, b, friction, unread))
+        pairs.append(ShapePair(a, b, friction, resistance, unread))
     return pairs
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, suggest
-from jousto.robots.description import Collision, Frame, Link, RobotJoint
+from jousto.robots.description import Collision, Frame, Link, Resistance, RobotJoint
 from jousto.robots.readers.collisions import shape_of
 from jousto.robots.readers.meshes import Folders
 from jousto.robots.readers.mjcf_collected import Collected, Site, turned_back
@@ -32,7 +32,7 @@ from jousto.robots.readers.xml import DEEPEST, Element, Reading, parse_file
 TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "floating"}
 LOSSES = {"stiffness": "spring", "damping": "damper", "frictionloss": "frictionloss"}
 MOST_ATTACHED = 10_000  # maximum number of attached models
-UNREAD = {"condim": "3", "priority": "0", "margin": "0", "gap": "0"} | dict.fromkeys(
+UNREAD = {"priority": "0", "margin": "0", "gap": "0"} | dict.fromkeys(
     ("solref", "solimp", "solmix")
 )
 """Words on the contact of a geom that are not read, with the value that changes nothing."""
@@ -183,13 +183,13 @@ class Bodies:
         if shape is None:
             self.found.untouching.append(kind)
             return
-        slide = self.reading.list(given, "friction") if "friction" in given.given else None
-        friction = 1.0 if slide is None or not len(slide) else float(slide[0])
+        friction, resistance = resistance_of(self.reading, given, 1)
         unread = tuple(
             word for word in UNREAD if given.given.get(word, UNREAD[word]) != UNREAD[word]
         )
         made = Collision(
-            self.name(given, "geom"), shape, place, link, friction, masks[0], masks[1], unread
+            *(self.name(given, "geom"), shape, place, link, 1.0 if friction is None else friction),
+            *(resistance or Resistance(), masks[0], masks[1], unread),
         )
         self.found.collisions.setdefault(link, []).append(made)
 
@@ -443,3 +443,23 @@ class Bodies:
                 self.body(child, link.name, place, kind)
             elif child.tag == "attach":
                 self.attach(child, link, place, kind)
+
+
+def resistance_of(
+    reading: Reading, given: Element, slides: int
+) -> tuple[float | None, Resistance | None]:
+    """Return friction and resistance of a geom or pair, whose ``friction`` begins with `slides`.
+
+    None where the element has neither ``friction`` nor ``condim``.
+    """
+    listed = reading.list(given, "friction") if "friction" in given.given else None
+    numbers = () if listed is None else tuple(listed)
+    friction = float(numbers[0]) if len(numbers) else None
+    if friction is None and "condim" not in given.given:
+        return None, None
+    drilling, rolling = (
+        float(numbers[k]) if len(numbers) > k else usual
+        for k, usual in ((slides, Resistance.drilling), (slides + 1, Resistance.rolling))
+    )
+    directions = int(reading.number(given, "condim", 3.0))
+    return friction, Resistance(drilling, rolling, directions)

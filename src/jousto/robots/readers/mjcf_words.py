@@ -11,7 +11,7 @@ CONTACT = (
     "contact is off: bodies that touch pass through each other; contact=True of robots.mechanism "
     "turns it on"
 )
-PAIR_WORDS = ("condim", "solref", "solreffriction", "solimp", "margin", "gap")
+PAIR_WORDS = ("solref", "solreffriction", "solimp", "margin", "gap")
 """Words of ``<pair>`` that are not read."""
 SOFT = "the softness of constraints is not read: limits are stops, and ties are rigid"
 MEDIUM = "drag and lift of the medium are left out: bodies move as in a vacuum"
