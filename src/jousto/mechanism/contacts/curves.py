@@ -12,10 +12,7 @@ from jousto.base.fields import field
 from jousto.base.numbers import Number, Values
 from jousto.base.object_repr import described
 from jousto.materials.material import Material
-from jousto.mechanism.contacts.laws import Rebounding, modulus_of
-
-LINE, TABLE = 1, 2
-"""Numbers of the curves in the engine, ``JO_CURVE_LINE`` and ``JO_CURVE_TABLE``."""
+from jousto.mechanism.contacts.laws import LINE, TABLE, Rebounding, modulus_of
 
 
 class HertzLine(Rebounding, tag="hertz-line"):

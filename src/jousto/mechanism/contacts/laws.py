@@ -5,6 +5,9 @@ from __future__ import annotations
 from math import expm1, log1p, sqrt
 from typing import Any, ClassVar
 
+import numpy as np
+
+from jousto.base.arrays import Array
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import Nested, field
@@ -15,6 +18,8 @@ SLOWEST = 1e-3
 """Speed of approach below which a touch counts as one with this speed, m/s."""
 
 
+POWER, LINE, TABLE = 0, 1, 2
+"""Forms of the force over the depth in the engine, ``JO_CURVE_POWER`` and others."""
 NUMBERS = {
     "stiffness": 0.0,
     "exponent": 1.0,
@@ -34,16 +39,21 @@ class ContactLaw(Declared, section="contact laws", by_value=True):
     Attributes
     ----------
     curve : int
-        Form of the force over the depth in the engine, ``JO_CURVE_POWER``: 0, a power.
+        Form of the force over the depth: `POWER`, `LINE` or `TABLE`.
     """
 
     kind = "law of contact"
-    curve: ClassVar[int] = 0
+    curve: ClassVar[int] = POWER
 
     @property
     def asked(self) -> float:
         """Coefficient of restitution that is asked for; 0 if it follows from other numbers."""
         return float(getattr(self, "restitution", 0.0))
+
+    @property
+    def rows(self) -> Array:
+        """Rows of a table (n, 4); none for other laws."""
+        return np.zeros((0, 4))
 
     def numbers(self, curvature: float | None) -> dict[str, float]:
         """Return the numbers of the engine's law at the sum of both curvatures, 1/m."""

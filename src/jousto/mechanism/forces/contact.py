@@ -10,10 +10,9 @@ from jousto.base.fields import Choice, field
 from jousto.base.numbers import DefaultNumber, Number
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.contacts.collision import DRILLING, ROLLING
-from jousto.mechanism.contacts.curves import TABLE, TableLaw
 from jousto.mechanism.contacts.effective_mass import angular_mobility, mobility
 from jousto.mechanism.contacts.friction import default_static
-from jousto.mechanism.contacts.laws import NUMBERS, ContactLawField, Hertz
+from jousto.mechanism.contacts.laws import NUMBERS, TABLE, ContactLawField, Hertz
 from jousto.mechanism.contacts.pairing import POINTS, check_pair, most_points, paired
 from jousto.mechanism.contacts.shapes import Shape, ShapeField, Tip, touching
 from jousto.mechanism.forces.base import ForceElement, Push
@@ -300,7 +299,7 @@ class Contact(ForceElement, tag="contact"):
         return Push(
             "contact",
             data,
-            rest=(law.rows,) if isinstance(law, TableLaw) else (),
+            rest=(law.rows,) if law.curve == TABLE else (),
             a=a,
             b=b,
             states=tuple(STATES | TURN if self._turns else STATES),

@@ -23,9 +23,8 @@ from jousto.mechanism.contacts.collision import (
     Surface,
     SurfacePair,
 )
-from jousto.mechanism.contacts.curves import TABLE
 from jousto.mechanism.contacts.friction import default_static
-from jousto.mechanism.contacts.laws import ContactLaw
+from jousto.mechanism.contacts.laws import TABLE, ContactLaw
 from jousto.mechanism.contacts.meetings import Meetings, check_kinds, meetings
 from jousto.mechanism.contacts.pair_tables import (
     PairLaw,

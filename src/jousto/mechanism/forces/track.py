@@ -20,10 +20,9 @@ from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.beams.discretisation import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.bodies.marker import Marker, MarkerField, MarkersField
-from jousto.mechanism.contacts.curves import TABLE
 from jousto.mechanism.contacts.effective_mass import mobility
 from jousto.mechanism.contacts.friction import default_static
-from jousto.mechanism.contacts.laws import NUMBERS, ContactLawField, Hertz
+from jousto.mechanism.contacts.laws import NUMBERS, TABLE, ContactLawField, Hertz
 from jousto.mechanism.forces.base import ForceElement, Packed, Push
 from jousto.mechanism.forces.contact import LAW_NUMBERS, SHEAR, STATES, duration
 from jousto.mechanism.forces.law import EngineLaw
