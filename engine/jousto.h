@@ -47,6 +47,7 @@ typedef double jo_real;
  *   of a contact, or of a contact_pair
  * contact_track: a wheel on a curve through markers, see force_contact_track.c; followed by its pieces (count); seven states from jo_force.state on
  * tyre: of a wheel b on a plane of a, see force_tyre.c and tyre_law.c; two states from jo_force.state on
+ * slider: a point on both sides of a track, see force_slider.c; followed by its pieces (count); three states from jo_force.state on
  * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
  *   coefficients of (s - s_k)^0..3 of the position and of each mode shape; at s = reference(t), times signal; 0 beyond the ends */
 #define JO_CONTACT_LAW stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, mass, duration, velocity, curve, extent
@@ -70,6 +71,7 @@ typedef double jo_real;
     ROW(tyre, radius, stiffness, damping, relaxation[2], lead, slow, sink, resistance, law, mu, half_length, load, cx, cy, \
         longitudinal[9], lateral[13], aligning[14], peak[2]) \
     ROW(network, number, states, coordinates, signals, constants, values, instructions, pushes, slopes) \
+    ROW(slider, stiffness, damping, play, hold, brake, mu, resistance, slow, count) \
     /* the last row */
 
 /* Methods of integration, a row each: ROW(name, family, order, stages, coefficients), which the Python binding reads, too. A row makes

@@ -688,6 +688,15 @@ def _states(made: Made, _: Path) -> list[Call]:
         (words.Lag, {"name": "s", "input": x, "time": 0.1}),
         (words.Lead, {"name": "s", "input": x, "lead": 0.2, "lag": 0.1}),
         (words.StateSensor, {"name": "s", "of": x}),
+        (
+            words.Slider,
+            {
+                "name": "s",
+                "track": (jo.ground.at((-9, 7, 0)), jo.ground.at((9, 7, 0))),
+                "b": hinge.b,
+                "stiffness": 1e6,
+            },
+        ),
         (words.RopeSpan, {"a": jo.ground.at((0, 7, 0)), "b": hinge.b}),
         (
             words.Reeving,

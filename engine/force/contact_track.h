@@ -30,11 +30,13 @@ typedef struct {
 jo_track_frame jo_track_frame_of(const jo_model *m, const jo_data *d, int marker);
 jo_track_part jo_track_part_of(const jo_model *m, const jo_data *d, const jo_track_piece *piece);
 void jo_track_set_tangents(jo_track_part *y);
-int jo_track_find(const jo_model *m, const jo_data *d, const jo_force *f, const jo_track_frame *b, int guess, jo_dual *x);
+int jo_track_find(const jo_model *m, const jo_data *d, const jo_track_piece *pieces, int count, const jo_track_frame *b, int guess, jo_dual *x);
 jo_track_touch jo_track_touch_at(jo_real radius, const jo_track_part *p, const jo_track_frame *b, jo_real start);
 /* y (3): of vectors v, w of the ends and of b, such as velocities, those of b less those of the track at P, resolved in [t, m, n] */
 jo_dual3 jo_track_relative(const jo_track_touch *y, const jo_track_part *p, const jo_dual3 *v, const jo_dual3 *w);
 /* forces and torques (world) on both ends and on b, for the force F (3), resolved in [t, m, n], changed by dF */
 void jo_track_loads(const jo_track_touch *y, const jo_track_part *p, const jo_real *F, const jo_real *dF, jo_dual3 (*load)[2]);
+/* to Newton's matrix: loads on both ends and on b, and their changes Y (rows: ends, b; columns: ends, b) */
+void jo_track_add_elements(const jo_model *m, jo_data *d, const jo_track_part *p, int b, jo_dual3 (*load)[2], jo_real (*Y)[2][12][24]);
 
 #endif

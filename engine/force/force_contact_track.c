@@ -40,7 +40,7 @@ static int present(const jo_model *m, const jo_data *d, const jo_force *f, const
     jo_dual x;
     const int guess = (int)JO_RE(states(d, f)[JO_TRACK_PIECE]), count = (int)JO_RE(numbers(f)->count);
     y->b = jo_track_frame_of(m, d, f->b);
-    y->piece = jo_track_find(m, d, f, &y->b, guess >= 0 && guess < count ? guess : 0, &x);
+    y->piece = jo_track_find(m, d, jo_track_pieces(f), count, &y->b, guess >= 0 && guess < count ? guess : 0, &x);
     if (y->piece < 0) {
         for (int i = 0; i < 3; i++) y->point.slip[i] = y->point.v[i] = y->point.normal[i] = jo_same(0.0);
         y->point.depth = jo_same(-1.0);
@@ -130,20 +130,6 @@ static void stretch_change(const jo_stage *stage, const jo_real *state, const ri
     }
 }
 
-/* changes Y of the loads on the markers `row` with the motion of the markers `column`; loads: those of the rows, NULL: counted already */
-static void add_element(const jo_model *m, jo_data *d, const int *row, const int *column, const jo_dual3 (*load)[2], jo_real (*Y)[24])
-{
-    jo_element e;
-    jo_element_start(&e, row[0], row[1]);
-    e.of_a = column[0];
-    e.of_b = column[1];
-    for (int i = 0; i < 12; i++) {
-        if (load && row[i / 6] >= 0) e.y[i] = load[i / 6][i % 6 / 3].v[i % 3];
-        for (int j = 0; j < 24; j++) e.Y[i][j] = Y[i][j];
-    }
-    jo_element_finish(m, d, &e);
-}
-
 static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *unused)
 {
     (void)unused;
@@ -164,12 +150,7 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
             jo_track_loads(&y.at, &y.part, F, dF, load);
             for (int i = 0; i < 18; i++) Y[i / 12][side / 2][i % 12][12 * (side % 2) + k] = load[i / 6][i % 6 / 3].d[i % 3];
         }
-    const int ends[2] = {(int)JO_RE(now.part.piece->marker[0]), (int)JO_RE(now.part.piece->marker[1])}, wheel[2] = {f->b, -1};
-    const jo_dual3 (*loads)[2] = (const jo_dual3 (*)[2])load;
-    add_element(m, d, ends, ends, loads, Y[0][0]);
-    add_element(m, d, ends, wheel, 0, Y[0][1]);
-    add_element(m, d, wheel, ends, loads + 2, Y[1][0]);
-    add_element(m, d, wheel, wheel, 0, Y[1][1]);
+    jo_track_add_elements(m, d, &now.part, f->b, load, Y);
     return JO_OK;
 }
 

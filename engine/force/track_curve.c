@@ -1,5 +1,6 @@
 /* track_curve.c - a smooth curve through markers, the place of a wheel on it, and loads at this place. See force_contact_track.c. */
 #include "maximal/maximal.h"
+#include "newton/newton.h"
 #include "force/contact_track.h"
 
 enum { JO_TRACK_SEARCH = 30 };     /* largest number of iterations for the place of the wheel on the track */
@@ -99,12 +100,11 @@ static jo_dual place_on(const jo_track_part *p, const jo_track_frame *b, jo_real
 }
 
 /* the piece where the wheel is, from piece `guess` to its neighbours; -1: beyond the ends. *x: share of the way */
-int jo_track_find(const jo_model *m, const jo_data *d, const jo_force *f, const jo_track_frame *b, int guess, jo_dual *x)
+int jo_track_find(const jo_model *m, const jo_data *d, const jo_track_piece *pieces, int count, const jo_track_frame *b, int guess, jo_dual *x)
 {
-    const int count = (int)JO_RE(((const jo_contact_track_data *)f->data)->count);
     int last = 0;
     for (int k = guess, tries = 0; tries < count + 2; tries++) {
-        const jo_track_part p = jo_track_part_of(m, d, jo_track_pieces(f) + k);
+        const jo_track_part p = jo_track_part_of(m, d, pieces + k);
         *x = place_on(&p, b, jo_same(last > 0 ? 0.0 : last < 0 ? 1.0 : 0.5));
         const int way = JO_RE(x->v) < -JO_TRACK_SIDE ? -1 : JO_RE(x->v) > 1.0 + JO_TRACK_SIDE ? 1 : 0;
         if (!way || way == -last) return k;   /* between two pieces with a corner: the last one */
@@ -168,4 +168,28 @@ void jo_track_loads(const jo_track_touch *y, const jo_track_part *p, const jo_re
     }
     load[2][0] = world;
     load[2][1] = jo_dual3_cross(y->lever, world);
+}
+
+/* changes Y of the loads on the markers `row` with the motion of the markers `column`; loads: those of the rows, NULL: counted already */
+static void add_element(const jo_model *m, jo_data *d, const int *row, const int *column, const jo_dual3 (*load)[2], jo_real (*Y)[24])
+{
+    jo_element e;
+    jo_element_start(&e, row[0], row[1]);
+    e.of_a = column[0];
+    e.of_b = column[1];
+    for (int i = 0; i < 12; i++) {
+        if (load && row[i / 6] >= 0) e.y[i] = load[i / 6][i % 6 / 3].v[i % 3];
+        for (int j = 0; j < 24; j++) e.Y[i][j] = Y[i][j];
+    }
+    jo_element_finish(m, d, &e);
+}
+
+void jo_track_add_elements(const jo_model *m, jo_data *d, const jo_track_part *p, int b, jo_dual3 (*load)[2], jo_real (*Y)[2][12][24])
+{
+    const int ends[2] = {(int)JO_RE(p->piece->marker[0]), (int)JO_RE(p->piece->marker[1])}, own[2] = {b, -1};
+    const jo_dual3 (*loads)[2] = (const jo_dual3 (*)[2])load;
+    add_element(m, d, ends, ends, loads, Y[0][0]);
+    add_element(m, d, ends, own, 0, Y[0][1]);
+    add_element(m, d, own, ends, loads + 2, Y[1][0]);
+    add_element(m, d, own, own, 0, Y[1][1]);
 }

@@ -43,9 +43,11 @@ from .forces.line_load import LineLoad as LineLoad
 from .forces.moving import MovingLoad as MovingLoad
 from .forces.pid import PID as PID, SpeedPID as SpeedPID
 from .forces.plastic import PlasticSpring as PlasticSpring
+from .forces.slider import Slider as Slider
 from .forces.springs import ModalLoad as ModalLoad
 from .forces.stop import Stop as Stop
-from .forces.track import TrackContact as TrackContact, nodes_along as nodes_along
+from .forces.track import TrackContact as TrackContact
+from .forces.track_path import nodes_along as nodes_along
 from .forces.tyre import BrushTyre as BrushTyre, MagicFormula as MagicFormula, Tyre as Tyre
 from .joints.directions import ParallelAxes as ParallelAxes, Perpendicular as Perpendicular
 from .joints.rails import RailWheel as RailWheel

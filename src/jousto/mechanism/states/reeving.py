@@ -16,7 +16,7 @@ from jousto.base.numbers import DefaultNumber, DefaultValues, Number, Values
 from jousto.base.rotations import Direction, exp_rotation, turn_onto
 from jousto.mechanism.bodies.marker import Marker, MarkersField
 from jousto.mechanism.joints.base import aligned
-from jousto.mechanism.joints.coordinate import check_coordinate
+from jousto.mechanism.joints.coordinate import Coordinate, check_coordinate
 from jousto.mechanism.joints.rope_span import RopeSpan, misfit, rope_direction, wrap_angle
 from jousto.mechanism.signals.base import OptionalSignal
 from jousto.mechanism.states import expression as e
@@ -31,7 +31,7 @@ ARC = np.radians(30.0)
 """Angle between points of pictures on a sheave, rad."""
 
 
-class OptionalCoordinate(Field["Coordinate | None", "Coordinate | None"]):
+class OptionalCoordinate(Field[Coordinate | None, Coordinate | None]):
     """Field of a coordinate, or None."""
 
     form = "coordinate"
