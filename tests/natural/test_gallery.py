@@ -34,6 +34,10 @@ def test_no_machine_is_missing() -> None:
     # tests/model/test_track_contact.py balls on beams
     twins = {
         "ball_on_beam",
+        "bowl_feeder",
+        "bucket_stop",
+        "door_latch",
+        "gripper",
         "quadruped",
         "railway_wheel",
         "crane_twin",
