@@ -10,6 +10,7 @@ enum { JO_ROOM = 64 };              /* corners while a face is cut */
 #define JO_WITHIN 1e-9              /* distance from a side, over the size, up to which a point is on it */
 #define JO_STRAIGHT 1e-4            /* turning angle of a corner that is left out, rad */
 #define JO_NEARLY_FLAT 0.995        /* cosine of the angle of the normal of two edges with that of the face, below which they are no corner */
+#define JO_PARALLEL 1e-3            /* sine of the angle of two edges up to which they touch along their length */
 #define JO_LEAST_WEIGHT 1e-6        /* weight of a corner that is left out */
 #define JO_CORNERS_PER_FACE 4.0     /* weight of a whole face */
 
@@ -289,6 +290,61 @@ static int corners_of_faces(area *t, jo_corner *list)
     return listed(t, w, list);
 }
 
+/* Two parallel edges touch where they lie beside each other: at the ends of that length, each a vertex of one over the edge of the other. The
+ * weight of an end is the length over that of a segment, as above a face. A segment has an edge also where its vertex is the closest point.
+ * Their number; 0 if the edges are not parallel. */
+static int along_edges(const jo_polytope *a, const jo_polytope *b, const jo_separated *s, jo_corner *list)
+{
+    const jo_polytope *const both[2] = {a, b};
+    int of[4];
+    for (int i = 0; i < 4; i++) of[i] = s->of[i];
+    for (int k = 0; k < 2; k++)
+        if (both[k]->vertices == 2) of[2 * k + 1] = 1 - of[2 * k];
+    const int known = of[0] != of[1] ? 0 : 1;
+    if (of[2 * known] == of[2 * known + 1]) return 0;
+    double at[4][3], e[2][3], length[2], n[3];
+    for (int i = 0; i < 2; i++) jo_polytope_vertex(both[known], of[2 * known + i], at[i]);
+    jo_minus3d(e[known], at[1], at[0]);
+    jo_unit3d(e[known]);
+    /* the other edge, where it is parallel: its ends are furthest along the normal, tilted both ways */
+    for (int side = -1; side <= 1; side += 2) {
+        for (int c = 0; c < 3; c++) n[c] = (known ? 1.0 : -1.0) * s->normal[c] + side * JO_PARALLEL * e[known][c];
+        const int at_other = 2 * (1 - known);
+        of[at_other + (side > 0)] = jo_polytope_support(both[1 - known], n, s->of[at_other]);
+    }
+    if (of[0] == of[1] || of[2] == of[3]) return 0;
+    for (int i = 0; i < 4; i++) jo_polytope_vertex(both[i > 1], of[i], at[i]);
+    for (int k = 0; k < 2; k++) {
+        jo_minus3d(e[k], at[2 * k + 1], at[2 * k]);
+        length[k] = jo_unit3d(e[k]);
+    }
+    jo_cross3d(n, e[0], e[1]);
+    if (!(jo_dot3d(n, n) <= JO_PARALLEL * JO_PARALLEL)) return 0;
+    static const int order[4] = {2, 3, 0, 1};
+    int count = 0;
+    for (int j = 0; j < 4 && count < 2; j++) {
+        const int i = order[j], edge = i < 2;   /* vertex i of b over the edge 0, that of a, or of a over that of b */
+        double d[3];
+        jo_minus3d(d, at[i], at[2 * edge]);
+        const double x = jo_dot3d(d, e[edge]), rounding = JO_WITHIN * length[edge];
+        if (x < -rounding || x > length[edge] + rounding) continue;
+        if (count) {
+            jo_minus3d(d, at[i], list->at);
+            if (fabs(jo_dot3d(d, e[edge])) <= 4.0 * rounding) continue;
+        }
+        const jo_feature_pair over_a = {JO_EDGE_VERTEX, {of[0], of[1]}, {of[i], of[i]}}, over_b = {JO_VERTEX_EDGE, {of[i], of[i]}, {of[2], of[3]}};
+        list[count].code = jo_feature_code(edge ? &over_b : &over_a);
+        for (int k = 0; k < 3; k++) list[count].at[k] = at[i][k];
+        count++;
+    }
+    if (count < 2) return 0;
+    double part[3];
+    jo_minus3d(part, list[1].at, list[0].at);
+    const double whole = a->vertices > 2 ? length[1] : b->vertices > 2 ? length[0] : fmin(length[0], length[1]);
+    list[0].weight = list[1].weight = fabs(jo_dot3d(part, e[0])) / whole;
+    return 2;
+}
+
 /* two edges, or closest points that are no face */
 static int one_corner(const jo_polytope *a, const jo_separated *s, jo_corner *list)
 {
@@ -302,6 +358,8 @@ static int one_corner(const jo_polytope *a, const jo_separated *s, jo_corner *li
 
 int jo_corners(const jo_polytope *a, const jo_polytope *b, const jo_separated *s, jo_corner *list)
 {
+    const int several = s->kind == JO_CLOSEST_POINTS ? along_edges(a, b, s, list) : 0;
+    if (several) return several;
     if (s->kind == JO_EDGES || s->kind == JO_CLOSEST_POINTS) return one_corner(a, s, list);
     area t;
     t.of_b = s->kind == JO_FACE_B;

@@ -437,3 +437,39 @@ def test_hulls_that_are_refused(points, message):
 def test_pairs_that_have_no_distance():
     with pytest.raises(jo.InputError, match="shape_b is a half-space"):
         shape_distance(Sphere(0.1), HalfSpace())
+
+
+@pytest.mark.parametrize("turn", [0.0, 1e-12, 1e-6])
+@pytest.mark.parametrize(
+    ("under", "beside", "share"),
+    [
+        (Cuboid((0.1,) * 3), 0.052, 1.0),  # round the edge of a box, whose edge is parallel
+        (Cuboid((0.1, 0.05, 0.1)), 0.052, 0.05 / 0.06),  # a box that is narrower
+        (Capsule(0.05, 0.1), 0.01, 1.0),
+        (Capsule(0.05, 0.04), 0.01, 1.0),  # the shorter one counts
+    ],
+    ids=["box", "narrow", "capsule", "short"],
+)
+def test_a_capsule_along_an_edge_touches_at_both_ends(under, beside, share, turn):
+    """Two parallel edges: v sqrt(m / 2 K) deep with both ends, and nothing falls through."""
+    half = np.pi / 4
+    lying = (np.cos(half), np.sin(half), 0, 0)  # the axis of the capsule along y
+    a = jo.ground["origin"]
+    if isinstance(under, Capsule):
+        a = jo.RigidBody("pole", 1.0, (1, 1, 1), orientation=lying)["origin"]
+    along = (np.cos(half + turn), np.sin(half + turn), 0, 0)
+    rod = jo.RigidBody(
+        "rod", 1.0, (1e-3,) * 3, position=(beside, 0, 0.08), velocity=(0, 0, -1), orientation=along
+    )
+    contact = Contact(
+        "c", a, under, rod["origin"], Capsule(0.02, 0.06), PowerLaw(1e6, 1.0, restitution=1.0)
+    )
+    items = [rod, contact, jo.VelocitySensor("v", rod["origin"])]
+    if a.body is not jo.ground:
+        items += [a.body, jo.Fixed("held", jo.ground["origin"], a)]
+    run = jo.simulate(jo.compile(jo.Mechanism(*items)), 0.03, solver=jo.RK4(1e-4))
+    (event,) = run.contacts
+    assert np.linalg.norm(run["v"][-1]) == pytest.approx(1.0, rel=1e-5)
+    assert run["v"][-1, 2] > 0.8
+    assert event.depth == pytest.approx(event.approach * np.sqrt(1 / (2e6 * share)), rel=2e-3)
+    assert np.abs(run.energy.error).max() < 1e-5
