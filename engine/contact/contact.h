@@ -18,7 +18,7 @@ typedef enum {
     JO_SHAPE_TORUS = 7,         /* radius of the circle of centres, radius of the tube */
     JO_SHAPE_ELLIPSOID = 8,     /* half the lengths along x, y, z */
     JO_SHAPE_HULL = 9,          /* of points, in sets of shapes only: its polytope */
-    JO_SHAPE_SURFACE = 10       /* of triangles, in sets of shapes only, which it does not touch */
+    JO_SHAPE_SURFACE = 10       /* of triangles, in sets of shapes only: its numbers, then those of its hull if there is a half-space */
 } jo_shape_type;
 
 /* Signed distance of a point outside of a shape (inside: negative), m; its gradient, the outward normal; its second derivatives, 1/m. */

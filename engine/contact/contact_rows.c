@@ -61,6 +61,15 @@ static void bind_law(const jo_contact_rows *y, const jo_shape_row *on, const jo_
     x->inertia = 1.0 / (on->angular + of->angular);
 }
 
+/* numbers of the polytope of a shape, or of the surface if it is touched and is one of triangles, see force_contact_pair.c */
+static const jo_real *polytope_of(const jo_contact_rows *y, const jo_shape_row *k, int touched)
+{
+    const jo_real *data = y->polytope + (int)JO_RE(k->polytope);
+    jo_mesh unused;
+    jo_real radius;
+    return touched || !jo_is_mesh(data) ? data : jo_mesh_read(data, &unused, &radius);
+}
+
 /* numbers of the contact of a tip on a shape, or of two polytopes */
 static void bind(const jo_contact_rows *y, const jo_force *f, jo_bound *b)
 {
@@ -79,8 +88,8 @@ static void bind(const jo_contact_rows *y, const jo_force *f, jo_bound *b)
     b->force.states = f->states - JO_SLOT_STATES;
     b->force.data = (const jo_real *)x;
     if (pair) {
-        b->polytope[0] = y->polytope + (int)JO_RE(on->polytope);
-        b->polytope[1] = y->polytope + (int)JO_RE(of->polytope);
+        b->polytope[0] = polytope_of(y, on, 1);
+        b->polytope[1] = polytope_of(y, of, 0);
         b->force.user = b->polytope;
         return;
     }
@@ -171,10 +180,18 @@ double jo_polytope_gap(const jo_contact_rows *y, const jo_data *d, int on, int o
     jo_mul3t(r, a->A, x);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) R[3 * i + j] = a->A[i] * b->A[j] + a->A[3 + i] * b->A[3 + j] + a->A[6 + i] * b->A[6 + j];
-    jo_polytope_read(y->polytope + (int)JO_RE(y->shape[on].polytope), &p);
-    jo_polytope_read(y->polytope + (int)JO_RE(y->shape[of].polytope), &q);
-    jo_polytope_place(&p, 0, 0);
+    jo_polytope_read(polytope_of(y, &y->shape[of], 0), &q);
     jo_polytope_place(&q, r, R);
+    const jo_real *touched = polytope_of(y, &y->shape[on], 1);
+    if (jo_is_mesh(touched)) {
+        jo_mesh mesh;
+        jo_mesh_gap found;
+        jo_mesh_read(touched, &mesh, &p.radius);
+        jo_mesh_distance(&mesh, &q, JO_RE(p.radius + q.radius), &found);
+        return found.gap;
+    }
+    jo_polytope_read(touched, &p);
+    jo_polytope_place(&p, 0, 0);
     const double radii = JO_RE(p.radius + q.radius), apart = jo_separation_at_least(&p, &q) - radii;
     if (apart > most) return apart;
     jo_separation(&p, &q, 0, &s);

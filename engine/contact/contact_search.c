@@ -196,6 +196,13 @@ static void compare_tips(const scan *c, int on, int of)
         if (jo_tip_gap(&c->rows, c->d, on, t) <= most) add_near(c, on, t, slot_of(c, on, t));
 }
 
+/* polytopes touch a half-space, and a surface of triangles unless that touches the half-space; spheres touch polytopes: they need not turn */
+static int is_touched(const jo_shape_row *k)
+{
+    const int type = (int)JO_RE(k->type);
+    return type == JO_SHAPE_HALF_SPACE ? 3 : type == JO_SHAPE_SURFACE ? 2 : type != JO_SHAPE_SPHERE;
+}
+
 static void compare(const scan *c, int i, int j)
 {
     const jo_contact_rows *y = &c->rows;
@@ -209,10 +216,10 @@ static void compare(const scan *c, int i, int j)
     }
     if (!(JO_RE(y->meets[(int)JO_RE(a->group) * y->groups + (int)JO_RE(b->group)]) > 0.0) || is_apart(y, i, j)) return;
     const int touching = (int)JO_RE(y->touching[(int)JO_RE(a->type) * JO_SHAPE_TYPES + (int)JO_RE(b->type)]);
-    /* that of the lower number is touched where both could be, in whatever order they are met; a half-space always */
+    /* that of the lower number is touched where both could be, in whatever order they are met */
     const int alike = touching == 3 || (touching == 1 && JO_RE(a->type) == JO_RE(b->type));
-    const int below = touching == 3 && JO_RE(a->type) == JO_SHAPE_HALF_SPACE, above = touching == 3 && JO_RE(b->type) == JO_SHAPE_HALF_SPACE;
-    const int swaps = touching == 2 || above || (alike && !below && i > j);
+    const int below = touching == 3 ? is_touched(a) - is_touched(b) : 0;
+    const int swaps = touching == 2 || below < 0 || (alike && !below && i > j);
     if (touching == 3) compare_polytopes(c, swaps ? j : i, swaps ? i : j);
     else if (touching) compare_tips(c, swaps ? j : i, swaps ? i : j);
 }

@@ -37,25 +37,6 @@ double jo_pair_further_gap(const jo_force *f, jo_contact_pair_pose *p, const jo_
     return jo_mesh_unlisted(&p->mesh, &p->b, jo_pair_radii(p), code, count);
 }
 
-double jo_pair_reach(const jo_contact_pair_pose *p)
-{
-    double most = 0.0;
-    for (int i = 0; i < p->b.vertices; i++) most = fmax(most, jo_length(p->b.vertex + 3 * i, 3));
-    return most;
-}
-
-void jo_pair_approach_along(const jo_contact_pair_pose *p, const double *n, jo_approach *to)
-{
-    const double turning = jo_length(p->w, 3) * jo_pair_reach(p), speed = jo_length(p->v, 3), share = speed > 0.0 ? 1.0 + turning / speed : 0.0;
-    to->rate = -turning;
-    for (int i = 0; i < 3; i++) {
-        to->rate += n[i] * JO_RE(p->v[i]);
-        to->v[i] = share * JO_RE(p->v[i]);
-    }
-    if (!(speed > 0.0)) to->v[0] = turning;
-    to->curvature = to->face ? 0.0 : INFINITY;
-}
-
 int jo_pair_approach_mesh(const jo_force *f, jo_contact_pair_pose *p, const jo_real *state, jo_approach *to)
 {
     double code[JO_MESH_POINTS];

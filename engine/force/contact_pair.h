@@ -20,10 +20,14 @@ static inline int jo_pair_is_listed(const jo_real *state) { return JO_RE(state[J
 static inline int jo_pair_touches(const jo_real *state) { return jo_pair_is_listed(state) && jo_contact_phase(state) != JO_CONTACT_APART; }
 static inline double jo_pair_radii(const jo_contact_pair_pose *p) { return JO_RE(p->a.radius + p->b.radius); }
 
-/* contact_mesh.c */
+/* contact_apart.c */
 double jo_pair_reach(const jo_contact_pair_pose *p);   /* largest distance of a vertex of b from its origin, m */
-/* Points of b move on a with at most |v| + |w| reach. Over a face of a, with its normal n, the gap shrinks at most with -n . v + |w| reach. */
-void jo_pair_approach_along(const jo_contact_pair_pose *p, const double *n, jo_approach *to);
+double jo_pair_round_off(const jo_contact_pair_pose *p);   /* of the gap, m */
+void jo_pair_approach_speeds(const jo_contact_pair_pose *p, jo_approach *to);   /* velocities that no point of b exceeds */
+void jo_pair_approach_along(const jo_contact_pair_pose *p, const double *n, jo_approach *to);   /* and rates above a plane with the normal n */
+void jo_pair_approach_apart(const jo_contact_pair_pose *p, const jo_separated *s, double gap, jo_approach *to);   /* of two polytopes */
+
+/* contact_mesh.c */
 /* the points on a surface of triangles with the states that continue those in `state` */
 void jo_pair_list_on_mesh(const jo_force *f, jo_contact_pair_pose *p, const jo_real *state, jo_real *next);
 double jo_pair_further_gap(const jo_force *f, jo_contact_pair_pose *p, const jo_real *state);   /* of points that are not listed */

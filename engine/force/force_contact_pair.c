@@ -375,14 +375,6 @@ static int ease(const jo_model *m, const jo_data *d, const jo_force *f, jo_real 
     return changed;
 }
 
-static void approach_apart(pair *p, const jo_real *state, jo_approach *to)
-{
-    jo_separated s;
-    to->gap = separate(p, state, &s);
-    to->face = s.kind == JO_FACE_A ? 1 + s.of[0] : 0;
-    jo_pair_approach_along(p, s.normal, to);
-}
-
 /* of the nearest point of the list that does not touch, on its face */
 static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_approach *to)
 {
@@ -395,7 +387,9 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
     jo_seen_speeds(d, f->state)[REACH] = jo_pair_reach(&p);
     if (p.mesh.triangles) return jo_pair_approach_mesh(f, &p, state, to);
     if (!any_listed(f, state)) {
-        approach_apart(&p, state, to);
+        jo_separated s;
+        const double gap = separate(&p, state, &s);
+        jo_pair_approach_apart(&p, &s, gap, to);
         return 1;
     }
     to->gap = INFINITY;
@@ -405,11 +399,13 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
         if (-JO_RE(t.y.depth) >= to->gap) continue;
         to->gap = -JO_RE(t.y.depth);
         to->rate = -JO_RE(t.y.rate);
-        for (int k = 0; k < 3; k++) to->v[k] = JO_RE(t.y.v[k]);
         to->face = i;
         to->curvature = t.feature.kind == JO_FACE_VERTEX ? 0.0 : INFINITY;
     }
-    return to->gap < INFINITY;
+    if (!(to->gap < INFINITY)) return 0;
+    jo_pair_approach_speeds(&p, to);
+    to->gap = fmax(to->gap, 0.0) + jo_pair_round_off(&p);   /* one that an impulse has opened again is below 0 by the resolution of its instant */
+    return 1;
 }
 
 /* a bristle that breaks changes mu_static to mu_kinetic; so do points that come and go */

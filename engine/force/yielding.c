@@ -25,12 +25,17 @@ jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k)
     return jo_released(d, f->release) ? jo_same(1.0) : jo_yielding_of(f)->margin(m, d, f);
 }
 
-int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, jo_approach *y)
+int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, double within, jo_approach *y)
 {
     const jo_force *f = &m->force[d->forces.yielding[k]];
     const jo_yielding *kind = jo_yielding_of(f);
+    y->within = within;
     y->clear = INFINITY;
-    return kind->approach && !jo_released(d, f->release) ? kind->approach(m, d, f, y) : 0;
+    y->highest = -INFINITY;
+    for (int i = 0; i < 3; i++) y->spin[i] = 0.0;
+    if (!kind->approach || jo_released(d, f->release) || !kind->approach(m, d, f, y)) return 0;
+    y->highest = fmax(y->highest, y->rate);
+    return 1;
 }
 
 int jo_ease_yielding(const jo_model *m, jo_data *d)

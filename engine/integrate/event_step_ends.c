@@ -99,7 +99,7 @@ static int settle(const jo_model *m, jo_data *d, double h, int *stop)
 /* a gap that may have closed and opened again within the step stays unresolved, and is reported */
 static void note_doubts(const jo_model *m, jo_data *d, double h)
 {
-    jo_measure_gaps(m, d, 1);
+    jo_measure_gaps(m, d, 1, h);
     const int doubtful = jo_doubtful_gap(m, d, h);
     if (doubtful >= 0) jo_note_doubt(m, d, doubtful);
 }
@@ -115,7 +115,7 @@ int jo_step_to_end(const jo_model *m, jo_data *d, const jo_solver *s)
     if (status == JO_OK && length < s->step) status = JO_TOO_MANY_CONTACTS;
     if (m->nyielding && status == JO_OK) {
         status = jo_yielding_ready(m, d);
-        jo_measure_gaps(m, d, 0);
+        jo_measure_gaps(m, d, 0, s->step);
     }
     if (status == JO_OK) status = jo_one_step(m, d, s);
     if (status == JO_OK) status = jo_watched_values(m, d, d->events.above);

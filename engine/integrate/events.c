@@ -129,7 +129,7 @@ static int first_crossing(const jo_model *m, jo_data *d, const jo_solver *s, dou
             if (status != JO_OK) return status;
         }
         if (!m->nyielding) return JO_OK;
-        jo_measure_gaps(m, d, 1);
+        jo_measure_gaps(m, d, 1, *length);
         const int doubtful = jo_doubtful_gap(m, d, *length);
         if (doubtful < 0) {
             jo_note_proof(d, halved, *found);
@@ -161,7 +161,7 @@ static int part_step(const jo_model *m, jo_data *d, const jo_solver *s, int firs
     if (status != JO_OK) return status;
     part.step = *length;
     save_state(d);
-    if (m->nyielding) jo_measure_gaps(m, d, 0);
+    if (m->nyielding) jo_measure_gaps(m, d, 0, *length);
     status = jo_one_step(m, d, &part);
     if (status == JO_OK) status = jo_watched_values(m, d, d->events.above);
     if (status != JO_OK) return status;
@@ -240,7 +240,7 @@ int jo_event_keep(const jo_model *m, jo_data *d)
     save_state(d);
     jo_keep_contact_losses(m, d);
     if (status == JO_OK && m->nyielding) status = jo_yielding_ready(m, d);
-    if (status == JO_OK && m->nyielding) jo_measure_gaps(m, d, 0);
+    if (status == JO_OK && m->nyielding) jo_measure_gaps(m, d, 0, INFINITY);
     return status;
 }
 

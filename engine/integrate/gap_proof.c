@@ -7,11 +7,11 @@
 
 #define JO_PARABOLA 1.5     /* largest distance of a parabola from its chord over that of its mean from the middle of the chord */
 
-void jo_measure_gaps(const jo_model *m, jo_data *d, int at_end)
+void jo_measure_gaps(const jo_model *m, jo_data *d, int at_end, double h)
 {
     for (int k = 0; k < m->nyielding; k++) {
         jo_approach *y = d->events.near + 2 * k + at_end;
-        if (!jo_yielding_approach(m, d, k, y)) y->gap = INFINITY;
+        if (!jo_yielding_approach(m, d, k, h, y)) y->gap = INFINITY;
     }
     if (!at_end) jo_forget_speeds(m, d);
 }
@@ -38,13 +38,19 @@ static double beyond_ends(const jo_data *d, const jo_approach *a, const jo_appro
     return sqrt(sum);
 }
 
-static double speed_of(const jo_approach *x) { return sqrt(x->v[0] * x->v[0] + x->v[1] * x->v[1] + x->v[2] * x->v[2]); }
+static double length3(const double *x) { return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]); }
+static double speed_of(const jo_approach *x) { return length3(x->v); }
+static double distance3(const double *a, const double *b)
+{
+    const double x[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    return length3(x);
+}
 
 /* A convex function of the place: on a straight line its rate grows. Velocities that differ from those at the ends by at most `varied` change it by
  * as much, so the gap is above two lines through its ends; the value where these meet. */
 static int may_touch_convex(const jo_approach *a, const jo_approach *b, double varied, double h)
 {
-    const double falls = varied - a->rate, rises = b->rate + varied;
+    const double falls = varied - a->rate, rises = b->highest + varied;
     if (falls <= 0.0 || rises <= 0.0) return 0;
     const double t = (a->gap - b->gap + rises * h) / (falls + rises);
     return !(a->gap - falls * fmin(fmax(t, 0.0), h) > 0.0);
@@ -60,14 +66,13 @@ static int may_touch_convex(const jo_approach *a, const jo_approach *b, double v
  * components are between those at the ends up to `beyond`: |c| <= |v_b - v_a| / 2 + beyond. */
 static int may_have_closed(const jo_approach *a, const jo_approach *b, double beyond, double h)
 {
-    double change = 0.0;
-    for (int i = 0; i < 3; i++) change += (b->v[i] - a->v[i]) * (b->v[i] - a->v[i]);
-    const double varied = JO_PARABOLA * (0.5 * sqrt(change) + beyond), speed = fmax(speed_of(a), speed_of(b)) + varied;
+    const double changed = distance3(a->v, b->v) + distance3(a->spin, b->spin);
+    const double varied = JO_PARABOLA * (0.5 * changed + beyond), speed = fmax(speed_of(a), speed_of(b)) + varied;
     if (a->convex && b->convex) return may_touch_convex(a, b, varied, h);
     const int alone = a->face == b->face && a->clear + b->clear > h * speed;
     const double curved = alone ? fmax(a->curvature, b->curvature) : INFINITY, bent = curved > 0.0 ? speed * speed * curved * h : 0.0;
     const double varies = varied + bent;
-    if (fmax(a->rate, b->rate) + varies < 0.0) return 0;
+    if (fmax(a->highest, b->highest) + varies < 0.0) return 0;
     return !(a->gap + b->gap > h * fmin(speed, fmax(0.0, fmax(-a->rate, -b->rate)) + varies));
 }
 

@@ -103,7 +103,7 @@ int jo_log_room(const jo_model *m);
 int jo_log_has_room(const jo_model *m, const jo_data *d);
 
 /* gap_proof.c */
-void jo_measure_gaps(const jo_model *m, jo_data *d, int at_end);   /* at the start or end of a step; INFINITY for forces without a gap */
+void jo_measure_gaps(const jo_model *m, jo_data *d, int at_end, double h);   /* at the start or end of a step of length h at most; INFINITY for forces without a gap */
 void jo_forget_speeds(const jo_model *m, jo_data *d);   /* of stages, before a step is repeated */
 /* index in d->forces.yielding of a force whose open gap may have closed in a step of length h; nyielding: of a pair that was not searched; -1 */
 int jo_doubtful_gap(const jo_model *m, const jo_data *d, double h);

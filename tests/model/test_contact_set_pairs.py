@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import jousto as jo
 from jousto.mechanism import (
+    Apart,
     Capsule,
     CollisionShape,
     Contact,
@@ -18,9 +19,11 @@ from jousto.mechanism import (
     ConvexHull,
     Cuboid,
     HalfSpace,
+    HeightField,
     PowerLaw,
     Sphere,
     SpringDamper,
+    TriangleMesh,
 )
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*moves freely", "ignore:.*energy balance")
@@ -252,3 +255,99 @@ def test_equal_shapes_share_their_numbers():
         model = jo.compile(jo.Mechanism(*boxes, Contacts("c", named, law=PowerLaw(1e6))))
         sizes.append(np.size(model.forces[0].data))
     assert sizes[1] - sizes[0] == 10 * (15 + 8 * 7)
+
+
+TERRAIN = HeightField(0.1 * np.random.default_rng(3).uniform(size=(21, 21)), 4.0, 4.0)
+
+
+def brick(x: float, y: float, z: float) -> TriangleMesh:
+    """Return a box about the marker as a surface of triangles."""
+    corners = 0.5 * np.array(list(product((-x, x), (-y, y), (-z, z))))
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return TriangleMesh.of(corners, [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))])
+
+
+def on_terrain() -> list[Part]:
+    rng = np.random.default_rng(1)
+    shapes = [Sphere(0.1), Cuboid((0.2, 0.3, 0.1)), Capsule(0.1, 0.3), Sphere(0.08), WEDGE]
+    return [
+        (
+            jo.RigidBody(
+                f"b{i}", 1.0, (0.01, 0.012, 0.015), position=(0.45 * i - 0.9, 0.1, 0.4),
+                velocity=rng.normal(size=3) * 0.5,
+            ),
+            shape,
+        )
+        for i, shape in enumerate(shapes)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("core", ["joint", "maximal"])
+@pytest.mark.parametrize("solver", [jo.RK4(5e-4), jo.GeneralizedAlpha(1e-3), jo.ROS2(1e-3)])
+def test_shapes_on_a_height_field_as_one_contact_a_pair(core, solver):
+    law = PowerLaw(1e5, 1.0, restitution=0.3)
+    found = []
+    for declare in (as_set, as_pairs):
+        parts = on_terrain()
+        place = [jo.PositionSensor(f"p{i}", body["origin"]) for i, (body, _) in enumerate(parts)]
+        touch = declare(TERRAIN, parts, law, mu_kinetic=0.4)
+        machine = jo.Mechanism(*(body for body, _ in parts), *touch, GRAVITY, *place)
+        run = jo.simulate(jo.compile(machine, core=core), 0.3, solver=solver)
+        found.append(np.array([run[f"p{i}"] for i in range(len(parts))]))
+        assert len(run.contacts) > 5
+    assert np.abs(found[0] - found[1]).max() < 1e-7
+
+
+def test_a_surface_rests_on_a_plane_and_carries_a_ball():
+    """10 N on 4 corners, then 20 N with the ball: depth F / (4 K)."""
+    block = jo.RigidBody("block", 10 / G, (0.1,) * 3, position=(0, 0, 0.1))
+    ball = jo.RigidBody("ball", 10 / G, (0.1,) * 3, position=(0, 0, 0.25))
+    parts = [(block, brick(0.4, 0.4, 0.2)), (ball, Sphere(0.05))]
+    sensors = [jo.PositionSensor(body.name, body["origin"]) for body, _ in parts]
+    law = SpringDamper(1e4, 200.0)
+    machine = jo.Mechanism(block, ball, *as_set(HalfSpace(), parts, law), GRAVITY, *sensors)
+    run = jo.simulate(jo.compile(machine), 2.0, solver=jo.ROS2(2e-3))
+    assert run["block"][-1, 2] == pytest.approx(0.1 - 20 / 4e4, abs=1e-6)
+    assert run["ball"][-1, 2] - run["block"][-1, 2] == pytest.approx(0.15 - 10 / 1e4, abs=1e-6)
+
+
+def test_equal_surfaces_share_their_numbers():
+    surface, sizes = brick(0.1, 0.1, 0.1), []
+    for count in (10, 20):
+        boxes = [jo.RigidBody(f"b{i}", 1.0, (1, 1, 1), position=(i, 0, 1)) for i in range(count)]
+        apart = [Apart("all", "all")]
+        named = shapes_of([(b, surface) for b in boxes])
+        floor = CollisionShape("floor", FLOOR, HalfSpace(), group="floor")
+        contacts = Contacts("c", [floor, *named], law=PowerLaw(1e6), apart=apart)
+        sizes.append(np.size(jo.compile(jo.Mechanism(*boxes, contacts)).forces[0].data))
+    assert sizes[1] - sizes[0] == 10 * 15
+
+
+def test_surfaces_that_sets_refuse():
+    body = jo.RigidBody("b", 1.0, (1, 1, 1), position=(0, 0, 1))
+    sheet = TriangleMesh.of([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    with pytest.raises(jo.InputError, match="pass an open triangle-mesh without thickness"):
+        Contacts(
+            "c",
+            [
+                CollisionShape("s", FLOOR, sheet),
+                CollisionShape("b", body["origin"], Cuboid((1, 1, 1))),
+            ],
+            law=PowerLaw(1e6),
+        )
+    block = CollisionShape("b", body["origin"], brick(1, 1, 1))
+    with pytest.raises(jo.InputError, match="height-field and triangle-mesh cannot touch"):
+        Contacts("c", [CollisionShape("t", FLOOR, TERRAIN), block], law=PowerLaw(1e6))
+
+
+@pytest.mark.parametrize("solver", [jo.RK4(5e-4), jo.ROS2(1e-3)])
+def test_a_ball_that_slides_off_an_edge_leaves_in_whole_steps(solver):
+    """It parts without speed along the normal."""
+    ball = jo.RigidBody("b", 1.0, (0.01,) * 3, position=(0.1, 0.1, 0.3), angular_velocity=(1, 2, 3))
+    hull = ConvexHull([(0, 0, 0), (0.3, 0, 0), (0, 0.3, 0), (0, 0, 0.3)])
+    law = PowerLaw(1e5, 1.0, restitution=0.3)
+    touch = Contact("c", FLOOR, hull, ball["origin"], Sphere(0.08), law, mu_kinetic=0.4)
+    run = jo.simulate(jo.compile(jo.Mechanism(ball, touch, GRAVITY)), 0.4, solver=solver)
+    assert run.attributes["contacts"] == "missed: 0 (proven)"
+    assert len(run.contacts) == 3
+    assert " 0 after halving" in run.attributes["contact steps"]

@@ -10,8 +10,13 @@ from typing import Any
 from jousto.base.errors import Problems
 from jousto.mechanism.contacts.collision import Apart, CollisionShape
 from jousto.mechanism.contacts.pair_tables import CONVEX, FIRST, NEITHER, SECOND, tips_of_pair
-from jousto.mechanism.contacts.pairing import most_points
+from jousto.mechanism.contacts.pairing import check_pair, most_points, paired
 from jousto.mechanism.contacts.shapes import Shape
+
+PAIRS_EACH = 3
+"""Slots for pairs of polytopes for each of these."""
+SURFACES_EACH = 2
+"""Slots for each shape that is a polytope for surfaces of triangles only."""
 
 
 @dataclass(frozen=True)
@@ -26,11 +31,15 @@ class Meetings:
         Whether each shape touches another one as a polytope.
     points : int
         Largest number of points of two polytopes.
+    near : int
+        Number of pairs of polytopes, or of one and a surface of triangles, that are near at a time
+        in usual machines.
     """
 
     tips: int
     convex: tuple[bool, ...]
     points: int
+    near: int
 
 
 def meetings(shapes: Sequence[Shape]) -> Meetings:
@@ -45,12 +54,27 @@ def meetings(shapes: Sequence[Shape]) -> Meetings:
     }
     convex = {kind for pair, how in ways.items() if how == CONVEX for kind in pair}
     tipped = {kind for pair, how in ways.items() if how in (FIRST, SECOND) for kind in pair}
-    pairs = [(kinds[a], kinds[b]) for (a, b), how in ways.items() if how == CONVEX]
+    pairs = [
+        (kinds[a], kinds[b])
+        for (a, b), how in ways.items()
+        if how == CONVEX and is_touched(kinds[a], kinds[b])
+    ]
+    solid = {kind for pair in pairs if not any(x.mesh for x in pair) for kind in map(type, pair)}
+    each = {kind: PAIRS_EACH if kind in solid else SURFACES_EACH for kind in convex}
     return Meetings(
         sum(n * len(kinds[kind].tips) for kind, n in count.items() if kind in tipped),
         tuple(type(shape) in convex for shape in shapes),
         max((most_points(a, b) for a, b in pairs), default=0),
+        sum(each[kind] * n for kind, n in count.items() if kind in convex),
     )
+
+
+def is_touched(on: Shape, of: Shape) -> bool:
+    """Return whether the first of two polytopes may be the one that is touched.
+
+    A half-space is, and a surface of triangles unless it touches a half-space.
+    """
+    return paired(on, of) and (of.mesh is None or on.hollow)
 
 
 def check_kinds(
@@ -63,7 +87,8 @@ def check_kinds(
     named = {name for pair in apart for name in (pair.a, pair.b)}
     kinds: dict[Any, tuple[CollisionShape, set[int]]] = {}
     for one in shapes:
-        key = one.group, type(one.shape), one.name if one.name in named else ""
+        own = one.name if one.name in named or one.shape.mesh is not None else ""
+        key = one.group, type(one.shape), own
         kinds.setdefault(key, (one, set()))[1].add(id(one.marker.body))
     excluded = {frozenset((pair.a, pair.b)) for pair in apart}
     reported: set[frozenset[str]] = set()
@@ -75,7 +100,10 @@ def check_kinds(
             labels = ((a, b) for a in labels_of(first) for b in labels_of(second))
             if any(frozenset(pair) in excluded for pair in labels):
                 continue
-            if tips_of_pair(first.shape, second.shape) == NEITHER:
+            how = tips_of_pair(first.shape, second.shape)
+            if how == CONVEX and is_touched(first.shape, second.shape):
+                check_pair(problems, where, first.shape, second.shape)
+            if how == NEITHER:
                 reported.add(tags)
                 problems.add(
                     where,

@@ -14,6 +14,7 @@ from jousto.mechanism.contacts.collision import Apart, CollisionShape
 from jousto.mechanism.contacts.effective_mass import angular_mobility, mobility
 from jousto.mechanism.contacts.ellipsoid import Ellipsoid
 from jousto.mechanism.contacts.laws import NUMBERS, ContactLaw, Hertz
+from jousto.mechanism.contacts.pairing import paired
 from jousto.mechanism.contacts.shapes import (
     Capsule,
     ConvexHull,
@@ -29,7 +30,7 @@ from jousto.mechanism.contacts.shapes import (
 KINDS = 11
 """Number of types of shapes in ``jo_shape_type`` of the engine."""
 HULL, SURFACE = 9, 10
-"""Types of a shape that is only a polytope, and of one of triangles, which touches nothing."""
+"""Types of a shape that is only a polytope, and of one of triangles."""
 NEITHER, SECOND, FIRST, CONVEX = 0, 1, 2, 3
 """Which shape of a pair has the tips that touch the other one; `CONVEX`: they are polytopes."""
 
@@ -91,7 +92,7 @@ def type_of(shape: Shape) -> int:
 def tips_of_pair(first: Shape, second: Shape) -> int:
     """Return how two shapes touch: which one has the tips, as polytopes, or `NEITHER`."""
     if first.mesh is not None or second.mesh is not None:
-        return NEITHER
+        return CONVEX if paired(first, second) or paired(second, first) else NEITHER
     if touching(first, second) is not None:
         return SECOND
     if touching(second, first) is not None:
@@ -110,6 +111,14 @@ def touching_table(shapes: Iterable[Shape]) -> Array:
     return found
 
 
+def shape_numbers(shape: Shape, hulls: bool) -> list[Array]:
+    """Return the numbers of a polytope, or of a surface and, where needed, of its hull."""
+    surface, polytope = shape.mesh, None
+    if surface is None or hulls:
+        polytope = shape.polytope
+    return [one.numbers for one in (surface, polytope) if one is not None]
+
+
 def polytope_numbers(shapes: Sequence[Shape], used: Sequence[bool]) -> tuple[Array, list[int]]:
     """Return the numbers of the polytopes for the engine, and the place of those of each shape.
 
@@ -118,17 +127,19 @@ def polytope_numbers(shapes: Sequence[Shape], used: Sequence[bool]) -> tuple[Arr
     parts: list[Array] = []
     known: dict[tuple[Any, ...], int] = {}
     places, end = [], 0
+    hulls = any(shape.hollow and shape.polytope is not None for shape in shapes)
     for shape, needed in zip(shapes, used, strict=True):
         if not needed:
             places.append(-1)
             continue
         points = shape.points.tobytes() if isinstance(shape, ConvexHull) else b""
-        key = type(shape), shape.size, points
+        surface = id(shape) if shape.mesh is not None else 0
+        key = type(shape), shape.size, points, surface
         if key not in known:
-            assert shape.polytope is not None
             known[key] = end
-            parts.append(shape.polytope.numbers)
-            end += len(parts[-1])
+            numbers = shape_numbers(shape, hulls)
+            parts += numbers
+            end += sum(map(len, numbers))
         places.append(known[key])
     return np.concatenate([np.zeros(0), *parts]), places
 

@@ -224,8 +224,13 @@ class Contact(ForceElement, tag="contact"):
 
     @property
     def _swapped(self) -> bool:
-        """Whether the tips belong to a, or b is the half-space or the surface of a pair."""
+        """Whether the tips belong to a, or b is the half-space or the surface of a pair.
+
+        A sphere touches a polytope: it need not turn with its body.
+        """
         first, second = self.shape_a, self.shape_b
+        if first.round and not second.round and paired(second, first):
+            return touching(first, second) is None
         if touching(first, second) is not None or paired(first, second):
             return False
         return paired(second, first) or touching(second, first) is not None

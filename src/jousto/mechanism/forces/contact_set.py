@@ -59,8 +59,6 @@ LEAST_SLOTS = 16
 """Smallest number of slots where `most` is not given."""
 SLOTS_EACH = 2
 """Slots for each tip of a shape where `most` is not given."""
-PAIRS_EACH = 3
-"""Slots for pairs of polytopes for each of these where `most` is not given."""
 IMPLICIT = 150
 """Largest number of bodies that touch one another with an implicit method."""
 LISTED = 12
@@ -298,18 +296,18 @@ class Contacts(ForceElement, tag="contacts"):
     def slots(self) -> int:
         """Largest number of spheres, corners and ends that are near a shape at a time."""
         tips, others = self._meetings.tips, len(self.shapes) - 1
-        return self._most(tips, SLOTS_EACH, tips * others)
+        return self._most(SLOTS_EACH * tips, tips * others)
 
     @property
     def convex(self) -> int:
         """Largest number of pairs of polytopes that are near at a time."""
         n = sum(self._meetings.convex)
-        return self._most(n, PAIRS_EACH, n * (n - 1) // 2)
+        return self._most(self._meetings.near, n * (n - 1) // 2)
 
-    def _most(self, count: int, each: int, all_of_them: int) -> int:
-        if count and self.most is not None:
+    def _most(self, usual: int, all_of_them: int) -> int:
+        if usual and self.most is not None:
             return self.most
-        return min(all_of_them, max(LEAST_SLOTS, each * count))
+        return min(all_of_them, max(LEAST_SLOTS, usual))
 
     @property
     def facts(self) -> list[tuple[str, str]]:
