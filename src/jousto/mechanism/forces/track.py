@@ -5,34 +5,10 @@ from __future__ import annotations
 from jousto.base.errors import Problems
 from jousto.base.fields import field
 from jousto.base.numbers import DefaultNumber, Number
-<<<<<<< HEAD
-from jousto.mechanism.contacts.curves import TABLE
-||||||| 60e85a8d
-from jousto.base.rotations import Direction
-from jousto.mechanism.beams.body import BeamBody
-from jousto.mechanism.beams.discretisation import BeamNode
-from jousto.mechanism.bodies.body import FlexibleBody
-from jousto.mechanism.bodies.marker import Marker, MarkerField, MarkersField
-from jousto.mechanism.contacts.curves import TABLE
-=======
-from jousto.base.rotations import Direction
-from jousto.mechanism.beams.body import BeamBody
-from jousto.mechanism.beams.discretisation import BeamNode
-from jousto.mechanism.bodies.body import FlexibleBody
-from jousto.mechanism.bodies.marker import Marker, MarkerField, MarkersField
->>>>>>> main
 from jousto.mechanism.contacts.effective_mass import mobility
 from jousto.mechanism.contacts.friction import default_static
-<<<<<<< HEAD
-from jousto.mechanism.contacts.laws import NUMBERS, ContactLawField, Hertz
-from jousto.mechanism.forces.base import Push
-||||||| 60e85a8d
-from jousto.mechanism.contacts.laws import NUMBERS, ContactLawField, Hertz
-from jousto.mechanism.forces.base import ForceElement, Packed, Push
-=======
 from jousto.mechanism.contacts.laws import NUMBERS, TABLE, ContactLawField, Hertz
-from jousto.mechanism.forces.base import ForceElement, Packed, Push
->>>>>>> main
+from jousto.mechanism.forces.base import Push
 from jousto.mechanism.forces.contact import LAW_NUMBERS, SHEAR, STATES, duration
 from jousto.mechanism.forces.law import EngineLaw
 from jousto.mechanism.forces.track_path import OnTrack
