@@ -552,3 +552,55 @@ def test_h12_two_volumes_that_are_joined(flow: Any, expected: float) -> None:
     else:
         assert run["heat_work"][-1, 0] == pytest.approx(111.111111111, rel=1e-9)
     assert run["stored_work"][-1, 0] == pytest.approx(-run["heat_work"][-1, 0], rel=1e-12)
+
+
+@pytest.mark.parametrize("core", CORES)
+def test_faults_are_signals(core: str) -> None:
+    """A leak that grows lets a load sink by its flow; a stuck spool and a lost spring."""
+    body = jo.RigidBody("load", 1000.0, (1, 1, 1), position=(0, 0, 0.8))
+    rail = jo.Prismatic("rail", jo.ground["origin"], body["origin"], axis=(0, 0, 1))
+    area = math.pi * 0.05**2 / 4
+    p = 1000.0 * 9.81 / area
+    network = HydraulicNetwork(
+        "oil",
+        [
+            Tank("tank"),
+            Node("A", start=p),
+            HydraulicCylinder(
+                *("c", jo.ground["origin"], body["origin"], "A"),
+                bore=0.05,
+                stroke=0.5,
+                closed=0.5,
+                damping=1e4,
+            ),
+            Leak("worn", "A", "tank", jo.Ramp(0.5, 1.0) * 1e-11),
+            Node("P", 1e-3),
+            Pump("pump", "tank", "P", 1e-6, speed=100.0),
+            ReliefValve(
+                "relief", "P", "tank", setting=10e6 - jo.Ramp(1.0, 1.01) * 9e6, flow=40 * LPM
+            ),
+            DirectionalValve(
+                *("v", "P", "tank", "B"),
+                flow=1e-9,
+                command=jo.Harmonic(frequency=1.0),
+                frequency=30.0,
+                stuck=jo.Ramp(0.2, 0.2001),
+            ),
+            Node("B", 1e-3),
+        ],
+    )
+    sensors = [StateSensor(x, network[x]) for x in ("c_x", "v_spool", "P", "A")]
+    speed = jo.RateSensor("speed", rail.displacement)
+    gravity = jo.Gravity((0, 0, -9.81))
+    model = jo.compile(
+        jo.Mechanism(body, rail, gravity, network, *sensors, speed, core=core, name="faults")
+    )
+    run = jo.simulate(model, 2.0, solver=jo.ROS2(1e-3))
+    assert np.abs(run["speed"][:500]).max() < 1e-9
+    sinks = -1e-11 * run["A"][-1, 0] / area
+    assert run["speed"][-1, 0] == pytest.approx(sinks, rel=1e-6)
+    assert run["A"][-1, 0] == pytest.approx((1000.0 * 9.81 + 1e4 * sinks) / area, rel=1e-6)
+    stuck = run["v_spool"][250:, 0]
+    assert np.ptp(stuck) < 1e-3 and stuck[0] > 0.5
+    assert 10e6 < run["P"][999, 0] < 11e6
+    assert 1e6 < run["P"][-1, 0] < 2e6
