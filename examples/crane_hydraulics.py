@@ -123,7 +123,6 @@ def main(folder: Path) -> None:
         error = np.abs(runs[name]["lift_x"] - fine["lift_x"]).max()
         print(f"{name}: error of the piston at 1 ms {1e6 * error:.1f} um")
         assert error < 2e-4
-        # at rest the pressure of the piston side carries the machine
         areas = np.pi / 4 * np.array([BORE**2, BORE**2 - ROD**2])
         force = runs[name]["lift_piston"][0, 0] * areas[0] - runs[name]["lift_rod"][0, 0] * areas[1]
         assert abs(force - runs[name]["lift_force"][0, 0]) < 1e-6 * abs(force)
@@ -135,15 +134,14 @@ def main(folder: Path) -> None:
     assert swing["quick lever"] > 1.1 * swing["slow lever"]
     with tempfile.TemporaryDirectory() as made:
         jo.write(model, Path(made) / "crane.c", solver=jo.ROS2(step=1e-3))
-        assert "network" in (Path(made) / "crane.c").read_text()
     with plt.style.context(STYLE):
         figure, rows = plt.subplots(3, 1, figsize=(7.2, 6.4), sharex=True, layout="constrained")
         for (name, run), color in zip(runs.items(), COLORS, strict=False):
             rows[0].plot(run.time, run["tip"][:, 2], color=color, label=name)
             rows[1].plot(run.time, 1e-6 * run["lift_piston"][:, 0], color=color)
             rows[2].plot(run.time, 1e-6 * run["root"][:, 0], color=color)
-        for row, label in zip(rows, ("tip in m", "lift in MPa", "root in MPa"), strict=True):
-            row.set(ylabel=label)
+        for i, label in enumerate(("tip in m", "lift in MPa", "root in MPa")):
+            rows[i].set(ylabel=label)
         rows[0].legend()
         figure.savefig(folder / "crane_hydraulics.png")
 
