@@ -124,7 +124,8 @@ typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_J
                JO_STEP_TOO_SMALL = 9,
                JO_ENDLESS = 10,           /* too many events within one step; error_index: event, or nevent + friction */
                JO_BENT = 11,              /* rotation of about pi between the ends of a beam element; error_index: beam */
-               JO_TOO_MANY_CONTACTS = 12  /* more pairs are near than there are slots; error_index: force of the set */
+               JO_TOO_MANY_CONTACTS = 12, /* more pairs are near than there are slots; error_index: force of the set */
+               JO_BEYOND_TABLE = 13       /* an argument beyond a table whose ends end the run; error_index: force of the network */
 } jo_status;
 typedef enum { JO_SIGNAL_CONSTANT = 0, JO_SIGNAL_HARMONIC = 1, JO_SIGNAL_TABLE = 2, JO_SIGNAL_STEP = 3,
                JO_SIGNAL_PIECES = 4, JO_SIGNAL_SUM = 5, JO_SIGNAL_PRODUCT = 6, JO_SIGNAL_INPUT = 7,
@@ -155,7 +156,7 @@ typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTA
 /* operations of the programs of networks, see network_program.c */
 typedef enum { JO_DO_add = 0, JO_DO_subtract = 1, JO_DO_multiply = 2, JO_DO_divide = 3, JO_DO_sqrt = 4, JO_DO_exp = 5, JO_DO_log = 6,
                JO_DO_sin = 7, JO_DO_cos = 8, JO_DO_atan = 9, JO_DO_tanh = 10, JO_DO_power = 11, JO_DO_minimum = 12, JO_DO_maximum = 13,
-               JO_DO_select = 14 } jo_do;
+               JO_DO_select = 14, JO_DO_table = 15, JO_DO_table_x = 16, JO_DO_map = 17, JO_DO_map_x = 18, JO_DO_map_y = 19 } jo_do;
 typedef enum { JO_ENERGY_KINETIC = 0, JO_ENERGY_STRAIN = 1, JO_ENERGY_POTENTIAL = 2, JO_ENERGY_SPRINGS = 3,
                JO_ENERGY_DISSIPATED = 4, JO_ENERGY_FRICTION = 5, JO_ENERGY_WORK = 6 } jo_energy_kind;
 typedef enum { JO_LOAD_JOINT = 0, JO_LOAD_APPLIED = 1, JO_LOAD_FRICTION = 2, JO_LOAD_GRAVITY = 3, JO_LOAD_INERTIA = 4,

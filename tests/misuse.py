@@ -686,6 +686,18 @@ def _states(made: Made, _: Path) -> list[Call]:
         ),
         (words.Integrator, {"name": "s", "input": x}),
         (words.Lag, {"name": "s", "input": x, "time": 0.1}),
+        (words.Lookup, {"name": "s", "input": x, "at": [0.0, 1.0], "values": [0.0, 2.0]}),
+        (
+            words.LookupMap,
+            {
+                "name": "s",
+                "x": x,
+                "y": 1.0,
+                "at_x": [0.0, 1.0],
+                "at_y": [0.0, 1.0],
+                "values": [[0.0, 2.0], [1.0, 3.0]],
+            },
+        ),
         (words.Lead, {"name": "s", "input": x, "lead": 0.2, "lag": 0.1}),
         (words.StateSensor, {"name": "s", "of": x}),
         (

@@ -44,6 +44,10 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     if (jo_condenses(stage)) condense(m, d, stage, f, w);
     const int first = stage->contacts && !stage->earlier;
     jo_network_evaluate(m, d, w, own_states(m, d, f), stage->lead, first);
+    if (w->outside) {
+        d->error_index = w->force;
+        return JO_BEYOND_TABLE;
+    }
     if (!jo_condenses(stage)) {
         jo_real *rate = jo_state_rates(m, d) + f->state;
         for (int i = 0; i < w->n; i++) rate[i] = w->r[w->rate[i]];

@@ -11,6 +11,7 @@ typedef struct jo_network {
     int n, m;               /* states, coordinates */
     int values, instructions, registers;   /* instructions for values, and with those for derivatives */
     int nsignal, npush, nslope, fixed;     /* fixed: constant registers */
+    int outside;                /* whether an argument lies beyond a table at whose ends the run shall end */
     int timed;              /* whether forces depend on time or signals */
     int *coordinate, *signal;   /* (m), (nsignal) */
     int *code;              /* (4 x instructions) operation and operands, see network_program.c */
@@ -38,6 +39,10 @@ void jo_networks_layout(const jo_model *m, jo_data *d, jo_arena *a);
 void jo_networks_setup(const jo_model *m, jo_data *d);
 jo_network *jo_network_of(const jo_data *d, const jo_force *f);
 const jo_real *jo_network_starts(const jo_force *f);   /* (2 n) initial and nominal values of the states */
+
+/* network_table.c */
+/* value or derivative of a table t at x (and y) as z; returns whether it lies beyond a table at whose ends the run shall end */
+int jo_network_table(int operation, const jo_real *t, jo_real x, jo_real y, jo_real *z);
 
 /* network_program.c */
 /* registers at the present coordinates and states, with signals at time + lead; derivatives also: those of the table S */

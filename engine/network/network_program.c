@@ -49,7 +49,8 @@ static void run(jo_network *w, int from, int to)
     const int first = w->registers - w->instructions;
     for (int i = from; i < to; i++) {
         const int *k = w->code + 4 * i;
-        w->r[first + i] = result(k[0], w->r[k[1]], w->r[k[2]], w->r[k[3]]);
+        if (k[0] >= JO_DO_table) w->outside |= jo_network_table(k[0], w->r + k[2], w->r[k[1]], w->r[k[3]], &w->r[first + i]);
+        else w->r[first + i] = result(k[0], w->r[k[1]], w->r[k[2]], w->r[k[3]]);
     }
 }
 
@@ -61,6 +62,7 @@ void jo_network_evaluate(const jo_model *m, const jo_data *d, jo_network *w, con
     for (int i = 0; i < w->m; i++) *r++ = d->coordinate[w->coordinate[i]].rate;
     *r++ = d->time[0] + lead;
     for (int i = 0; i < w->nsignal; i++) *r++ = jo_signal_at(m, d, w->signal[i], d->time[0] + lead).value;
+    w->outside = 0;
     run(w, 0, w->values);
     if (!derivatives) return;
     run(w, w->values, w->instructions);

@@ -93,7 +93,11 @@ states:
   - {type: switch, name: chosen, condition: error.y - 0.5, positive: band.y, otherwise: limited.y}
   - {type: product, name: power, inputs: [chosen.y, rate(rail.displacement)]}
   - {type: integrator, name: work, input: power.y, gain: 2}
-  - {type: force, name: push, coordinate: rail.displacement, force: chosen.y}
+  - {type: lookup, name: curve, input: chosen.y, at: [-2, 0, 2], values: [-1, 0, 3],
+     interpolation: parabola, outside: line}
+  - {type: lookup-map, name: map, x: curve.y, y: rail.displacement, at_x: [-2, 2], at_y: [0, 1, 2],
+     values: [[0, -1, -2], [2, 3, 2]], interpolation: natural}
+  - {type: force, name: push, coordinate: rail.displacement, force: map.z}
 sensors:
   - {type: state, name: work, of: work.y, unit: J}
   - {type: state, name: y, of: system.y}
@@ -123,8 +127,16 @@ def test_blocks_equal_the_python_constructors() -> None:
     chosen = b.Switch("chosen", error["y"] - 0.5, band["y"], limited["y"])
     power = b.Multiplier("power", [chosen["y"], rate(s)])
     work = b.Integrator("work", power["y"], 2.0)
-    push = b.BlockForce("push", s, chosen["y"])
+    curve = b.Lookup(
+        *("curve", chosen["y"], [-2, 0, 2], [-1, 0, 3]), interpolation="parabola", outside="line"
+    )
+    table = b.LookupMap(
+        *("map", curve["y"], s, [-2, 2], [0, 1, 2], [[0, -1, -2], [2, 3, 2]]),
+        interpolation="natural",
+    )
+    push = b.BlockForce("push", s, table["z"])
     blocks = system, tf, error, pid, lead, motor, slow, limited, band, chosen, power, work, push
+    blocks = *blocks, curve, table
     sensors = (
         StateSensor("work", work["y"], unit="J"),
         StateSensor("y", system["y"]),

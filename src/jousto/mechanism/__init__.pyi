@@ -121,3 +121,4 @@ from .states.linear import (
     TransferFunction as TransferFunction,
 )
 from .states.reeving import Reeving as Reeving
+from .states.tables import Lookup as Lookup, LookupMap as LookupMap

@@ -134,6 +134,12 @@ def failure(model: Model, status: str, index: int, cause: BaseException | None =
             "divide the beam into more elements (half a radian each is accurate), or use "
             "smaller steps if the motion itself is smaller",
         )
+    if status == "beyond table":
+        return Problem(
+            f"states '{model.forces[index].name}'",
+            'an input of a table with outside="stop" lies beyond its knots; give the table more '
+            'knots, or outside="line" or "hold"',
+        )
     if status == "too many contacts":
         force = model.forces[index]
         return Problem(

@@ -13,6 +13,8 @@ from typing import TypeAlias
 
 Of: TypeAlias = tuple[int, ...] | int | float | complex
 """Operands of an operation, index of a leaf, or a number."""
+BLOCK = "numbers"
+"""Kind of a leaf of several numbers: a table."""
 LEAVES = ("state", "value", "rate", "time", "signal")
 
 FOLDED: dict[str, Callable[..., float]] = {
@@ -40,7 +42,9 @@ class Program:
     """List of operations; each entry is a number, a leaf, or an operation on earlier entries."""
 
     nodes: list[tuple[str, Of]] = field(default_factory=list)
+    tables: list[tuple[float | complex, ...]] = field(default_factory=list)
     _known: dict[tuple[str, Of], int] = field(default_factory=dict)
+    _tables: dict[tuple[float | complex, ...], int] = field(default_factory=dict)
 
     def _node(self, kind: str, of: Of) -> int:
         key = (kind, of)
@@ -56,6 +60,13 @@ class Program:
     def leaf(self, kind: str, index: int = 0) -> int:
         """Return the entry of a state, value, rate, signal with an index, or of time."""
         return self._node(kind, index)
+
+    def numbers(self, x: tuple[float | complex, ...]) -> int:
+        """Return the entry of the numbers of a table."""
+        if x not in self._tables:
+            self._tables[x] = len(self.tables)
+            self.tables.append(x)
+        return self._node(BLOCK, self._tables[x])
 
     def _value(self, node: int) -> float | None:
         kind, of = self.nodes[node]
@@ -135,6 +146,10 @@ class Program:
             case "maximum":
                 more = self.add("subtract", a, b)
                 return self.add("select", more, one, none), self.add("select", more, none, one)
+            case "table":
+                return self.add("table x", *parts), none
+            case "map":
+                return self.add("map x", *parts), none, self.add("map y", *parts)
             case _:  # select
                 return none, self.add("select", a, one, none), self.add("select", a, none, one)
 

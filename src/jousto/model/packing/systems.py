@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, cast
 
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.mechanism.forces.base import ForceElement, Packed, Push
@@ -12,7 +12,7 @@ from jousto.mechanism.signals.base import Signal
 from jousto.mechanism.states.block import Block, Equations
 from jousto.mechanism.states.expression import Expression, leaves_of
 from jousto.model.native.header import kinds, packed
-from jousto.model.packing.program import LEAVES, Program
+from jousto.model.packing.program import BLOCK, LEAVES, Program
 
 
 class System(ForceElement):
@@ -151,6 +151,8 @@ class _Assembly:
             return p.add(kind, *(self._nodes[id(part)] for part in one.operands))
         if kind == "number":
             return p.number(one.of)
+        if kind == BLOCK:
+            return p.numbers(one.of)
         if kind == "time":
             return p.leaf("time")
         if kind in ("value", "rate"):
@@ -222,8 +224,13 @@ class _Assembly:
             self.program.below(node for *_, node in self.slopes) - self._values
         )
         numbers = [k for k in used if nodes[k][0] == "number"]
-        self.constants = [nodes[k][1] for k in numbers]
+        self.constants: list[Any] = [nodes[k][1] for k in numbers]
         self.register = {k: i for i, k in enumerate(numbers)}
+        for k in used:
+            kind, of = nodes[k]
+            if kind == BLOCK:  # the register of its first number stands for a table
+                self.register[k] = len(self.constants)
+                self.constants += self.program.tables[cast(int, of)]
         sizes = {
             "state": len(self.states),
             "value": len(self.coordinates),
@@ -231,7 +238,7 @@ class _Assembly:
             "time": 1,
             "signal": len(self.signals),
         }
-        at = len(numbers)
+        at = len(self.constants)
         first = {}
         for kind in LEAVES:
             first[kind] = at
