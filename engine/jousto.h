@@ -48,6 +48,9 @@ typedef double jo_real;
  * contact_track: a wheel on a curve through markers, see force_contact_track.c; followed by its pieces (count); seven states from jo_force.state on
  * tyre: of a wheel b on a plane of a, see force_tyre.c and tyre_law.c; two states from jo_force.state on
  * slider: a point on both sides of a track, see force_slider.c; followed by its pieces (count); three states from jo_force.state on
+ * network: first-order states with forces along coordinates, see force_network.c; their states from jo_force.state on
+ * memory: values of a network that are constant within a step, see force_memory.c; followed by their initial values and the registers of
+ *   their next values (count each); period > 0: sampled at phase + k period
  * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
  *   coefficients of (s - s_k)^0..3 of the position and of each mode shape; at s = reference(t), times signal; 0 beyond the ends */
 #define JO_CONTACT_LAW stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, mass, duration, velocity, curve, extent
@@ -70,8 +73,9 @@ typedef double jo_real;
     ROW(contact_track, JO_CONTACT_LAW, JO_TOUCH_LAW, radius, count) \
     ROW(tyre, radius, stiffness, damping, relaxation[2], lead, slow, sink, resistance, law, mu, half_length, load, cx, cy, \
         longitudinal[9], lateral[13], aligning[14], peak[2]) \
-    ROW(network, number, states, coordinates, signals, constants, values, instructions, pushes, slopes) \
     ROW(slider, stiffness, damping, play, hold, brake, mu, resistance, slow, count) \
+    ROW(network, number, states, coordinates, signals, constants, values, instructions, pushes, slopes, memories) \
+    ROW(memory, network, first, count, period, phase, margin, jumps) \
     /* the last row */
 
 /* Methods of integration, a row each: ROW(name, family, order, stages, coefficients), which the Python binding reads, too. A row makes
@@ -102,7 +106,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 28 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 29 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */

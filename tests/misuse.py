@@ -698,6 +698,20 @@ def _states(made: Made, _: Path) -> list[Call]:
                 "values": [[0.0, 2.0], [1.0, 3.0]],
             },
         ),
+        (words.Play, {"name": "s", "input": x, "play": 0.1}),
+        (words.Relay, {"name": "s", "input": x, "lower": -1.0, "upper": 1.0}),
+        (
+            words.BoucWen,
+            {
+                "name": "s",
+                "coordinate": hinge.angle,
+                "stiffness": 10.0,
+                "share": 0.1,
+                "beta": 300.0,
+                "gamma": 100.0,
+            },
+        ),
+        (words.Sampled, {"name": "s", "period": 0.1, "initial": {"u": 0.0}, "updates": {"u": x}}),
         (words.Lead, {"name": "s", "input": x, "lead": 0.2, "lag": 0.1}),
         (words.StateSensor, {"name": "s", "of": x}),
         (

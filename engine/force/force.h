@@ -79,6 +79,7 @@ jo_real jo_condense_state(const jo_model *m, jo_data *d, const jo_stage *stage, 
 jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_real time);
 
 /* force_table.c */
+void jo_keep_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f);   /* constant in the step */
 int jo_apply_force(const jo_model *m, jo_data *d, const jo_stage *stage, int force);
 int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage);

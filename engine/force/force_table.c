@@ -9,8 +9,8 @@ static const jo_force_kind *const table[] = {JO_FORCES(JO_FORCE_ENTRY)};
 
 const jo_yielding *jo_yielding_of(const jo_force *f) { return table[f->type]->yielding; }
 
-/* states of a released force: constant */
-static void rest_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f)
+/* states of a released force, and of a memory: constant */
+void jo_keep_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f)
 {
     const jo_real none = jo_same(0.0);
     for (int k = f->state; k < f->state + f->states; k++) {
@@ -26,7 +26,7 @@ int jo_apply_force(const jo_model *m, jo_data *d, const jo_stage *stage, int for
     const jo_force *f = &m->force[force];
     if (!jo_released(d, f->release)) return table[f->type]->apply(m, d, stage, f, &d->force[force]);
     d->force[force] = none;
-    if (f->state >= 0) rest_states(m, d, stage, f);
+    if (f->state >= 0) jo_keep_states(m, d, stage, f);
     return JO_OK;
 }
 

@@ -3,6 +3,7 @@
 #include "maximal/maximal.h"
 #include "force/force.h"
 #include "contact/contact.h"
+#include "network/network.h"
 
 int jo_yielding_ready(const jo_model *m, jo_data *d)
 {
@@ -12,6 +13,8 @@ int jo_yielding_ready(const jo_model *m, jo_data *d)
     jo_marker_velocity(m, d, m->nactive);
     for (int k = 0; k < m->nyielding; k++) {
         const int c = m->force[d->forces.yielding[k]].coordinate;
+        const jo_network *w = jo_network_of_memory(d, &m->force[d->forces.yielding[k]]);
+        if (w) jo_network_coordinates(m, d, w);
         if (c < 0) continue;
         jo_coordinate_value(m, d, c);
         jo_coordinate_rate(m, d, c);

@@ -12,11 +12,13 @@ typedef struct jo_network {
     int values, instructions, registers;   /* instructions for values, and with those for derivatives */
     int nsignal, npush, nslope, fixed;     /* fixed: constant registers */
     int outside;                /* whether an argument lies beyond a table at whose ends the run shall end */
+    int memories;               /* values that are constant within a step, see force_memory.c */
+    int *memory;                /* (memories) their places among the states of all forces */
     int timed;              /* whether forces depend on time or signals */
     int *coordinate, *signal;   /* (m), (nsignal) */
     int *code;              /* (4 x instructions) operation and operands, see network_program.c */
     int *rate, *push, *slope;   /* (n) register of x'; (2 x npush) coordinate, register; (3 x nslope) row, column, register */
-    jo_real *r;             /* (registers): constants, x, s, s', time, signals, results of instructions */
+    jo_real *r;             /* (registers): constants, x, s, s', time, signals and their rates, memories, results of instructions */
     jo_real *S;             /* (n + m) x (n + 2 m): derivatives of x' and F with respect to x, s, s' */
     jo_real *A;             /* (n x n) factors of 1 - g h f_x or of ca - cv f_x */
     int *pivot;             /* (n) */
@@ -33,6 +35,8 @@ static inline jo_network *jo_network_at(const jo_data *d, int i) { return &d->ne
 
 /* network_layout.c */
 int jo_is_network(const jo_force *f);
+jo_network *jo_network_of_memory(const jo_data *d, const jo_force *f);   /* 0: the force is no memory */
+void jo_network_coordinates(const jo_model *m, jo_data *d, const jo_network *w);   /* values and rates at the present state */
 int jo_network_rows(const jo_model *m);   /* coordinates of all networks */
 int jo_network_coordinate(const jo_force *f, int k);   /* the k-th coordinate of a network; -1 beyond the last one */
 void jo_networks_layout(const jo_model *m, jo_data *d, jo_arena *a);

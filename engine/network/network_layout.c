@@ -25,6 +25,19 @@ int jo_network_rows(const jo_model *m)
 
 jo_network *jo_network_of(const jo_data *d, const jo_force *f) { return &d->networks.list[jo_whole(header(f)->number)]; }
 
+jo_network *jo_network_of_memory(const jo_data *d, const jo_force *f)
+{
+    return f->type == JO_FORCE_memory ? &d->networks.list[jo_whole(((const jo_memory_data *)f->data)->network)] : 0;
+}
+
+void jo_network_coordinates(const jo_model *m, jo_data *d, const jo_network *w)
+{
+    for (int k = 0; k < w->m; k++) {
+        jo_coordinate_value(m, d, w->coordinate[k]);
+        jo_coordinate_rate(m, d, w->coordinate[k]);
+    }
+}
+
 static void count(const jo_force *f, jo_network *w)
 {
     const jo_network_data *x = header(f);
@@ -36,7 +49,8 @@ static void count(const jo_force *f, jo_network *w)
     w->instructions = jo_whole(x->instructions);
     w->npush = jo_whole(x->pushes);
     w->nslope = jo_whole(x->slopes);
-    w->registers = w->fixed + w->n + 2 * w->m + 1 + w->nsignal + w->instructions;
+    w->memories = jo_whole(x->memories);
+    w->registers = w->fixed + w->n + 2 * w->m + 1 + 2 * w->nsignal + w->memories + w->instructions;
 }
 
 static void take(const jo_model *m, const jo_force *f, jo_network *w, jo_arena *a)
@@ -48,6 +62,7 @@ static void take(const jo_model *m, const jo_force *f, jo_network *w, jo_arena *
     w->push = jo_take_ints(a, 2 * w->npush);
     w->slope = jo_take_ints(a, 3 * w->nslope);
     w->pivot = jo_take_ints(a, w->n);
+    w->memory = jo_take_ints(a, w->memories);
     w->at = jo_take_ints(a, 2 * w->m);
     w->count = jo_take_ints(a, 2 * w->m);
     w->link = jo_take_ints(a, 2 * w->m);
@@ -105,9 +120,22 @@ void jo_networks_layout(const jo_model *m, jo_data *d, jo_arena *a)
     }
 }
 
+/* places of the memories of the networks */
+static void find_memories(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nforce; i++) {
+        const jo_force *f = &m->force[i];
+        jo_network *w = jo_network_of_memory(d, f);
+        if (!w) continue;
+        const jo_memory_data *x = (const jo_memory_data *)f->data;
+        for (int k = 0; k < jo_whole(x->count); k++) w->memory[jo_whole(x->first) + k] = f->state + 1 + k;
+    }
+}
+
 /* constants and codes of all networks, from the numbers of the model */
 void jo_networks_setup(const jo_model *m, jo_data *d)
 {
+    find_memories(m, d);
     for (int i = 0; i < d->networks.count; i++) {
         jo_network *w = &d->networks.list[i];
         read(&m->force[w->force], w);

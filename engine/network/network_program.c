@@ -61,7 +61,13 @@ void jo_network_evaluate(const jo_model *m, const jo_data *d, jo_network *w, con
     for (int i = 0; i < w->m; i++) *r++ = d->coordinate[w->coordinate[i]].value;
     for (int i = 0; i < w->m; i++) *r++ = d->coordinate[w->coordinate[i]].rate;
     *r++ = d->time[0] + lead;
-    for (int i = 0; i < w->nsignal; i++) *r++ = jo_signal_at(m, d, w->signal[i], d->time[0] + lead).value;
+    for (int i = 0; i < w->nsignal; i++) {
+        const jo_signal_work y = jo_signal_at(m, d, w->signal[i], d->time[0] + lead);
+        r[i] = y.value;
+        r[w->nsignal + i] = y.rate;
+    }
+    r += 2 * w->nsignal;
+    for (int i = 0; i < w->memories; i++) *r++ = jo_states(m, d)[w->memory[i]];
     w->outside = 0;
     run(w, 0, w->values);
     if (!derivatives) return;

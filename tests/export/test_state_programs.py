@@ -9,9 +9,19 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from exported import CC, PLAIN, compiled, expected, table
+from exported import CC, PLAIN, compiled, expected, table as table_of
 from jousto.export.project import write_program
-from jousto.mechanism import States, StateSensor, rate
+from jousto.mechanism import (
+    BlockForce,
+    LookupMap,
+    Play,
+    Relay,
+    Sampled,
+    States,
+    StateSensor,
+    rate,
+    value,
+)
 
 pytestmark = pytest.mark.skipif(
     CC is None or sys.platform == "win32", reason="no C compiler to compile the programs with"
@@ -35,7 +45,7 @@ def test_a_program_has_states(tmp_path: Path, core: str, method: str) -> None:
     model = jo.compile(jo.Mechanism(wheel, axle, winding, *sensors, core=core))
     solver = getattr(jo, method)(step=2e-4)
     write_program(model, tmp_path / "motor.c", solver)
-    found = table(compiled(tmp_path, "motor.c", flags=(*PLAIN, "-DMAIN")), "0.05", "10")
+    found = table_of(compiled(tmp_path, "motor.c", flags=(*PLAIN, "-DMAIN")), "0.05", "10")
     want = expected(model, jo.simulate(model, 0.05, solver=solver, output_step=5e-3))
     assert np.abs(found - want).max() < 1e-9 * np.abs(want).max()
     assert np.abs(np.diff(want, axis=0)).max() > 0.01
@@ -82,8 +92,41 @@ def test_a_program_has_a_hydraulic_network(tmp_path: Path, core: str, method: st
     model = jo.compile(jo.Mechanism(load, rail, network, *sensors, core=core))
     solver = getattr(jo, method)(step=2e-5 if method == "RK4" else 2e-4)
     write_program(model, tmp_path / "oil.c", solver)
-    found = table(compiled(tmp_path, "oil.c", flags=(*PLAIN, "-DMAIN")), "0.05", "10")
+    found = table_of(compiled(tmp_path, "oil.c", flags=(*PLAIN, "-DMAIN")), "0.05", "10")
     want = expected(model, jo.simulate(model, 0.05, solver=solver, output_step=5e-3))
     scale = np.abs(want).max(axis=0)
     assert (np.abs(found - want).max(axis=0) <= 1e-8 * scale).all()
     assert np.abs(np.diff(want, axis=0)).max() > 0.01
+
+
+@pytest.mark.parametrize("core", ["joint", "maximal"])
+@pytest.mark.parametrize("method", ["RK4", "ROS2", "GeneralizedAlpha"])
+def test_a_program_has_samples_play_relays_and_tables(
+    tmp_path: Path, core: str, method: str
+) -> None:
+    """A cart with sampled control through a play, a relay on its rate, and a map as a spring."""
+    cart = jo.RigidBody("cart", 2.0, (1, 1, 1))
+    rail = jo.Prismatic("rail", jo.ground["origin"], cart["origin"], axis=(1, 0, 0))
+    s = rail.displacement
+    updates = {"u": "-80*x - 6*v", "n": "n + 1"}
+    inputs = {"x": value(s), "v": rate(s)}
+    control = Sampled("control", 0.03, {"u": 0.0, "n": 0.0}, updates, inputs=inputs, phase=0.01)
+    play, relay = Play("play", s, 0.01), Relay("relay", rate(s), -0.2, 0.1, on=2.0)
+    knots = [-0.3, -0.1, 0.0, 0.2, 0.3]
+    table = LookupMap("table", play["y"], rate(s), knots, [-1, 0, 2], np.outer(knots, [1, 2, 3]))
+    push = BlockForce("push", s, control["u"] + relay["y"] - 5.0 * table["z"])
+    sensors = (
+        jo.CoordinateSensor("x", s),
+        *(StateSensor(name, name) for name in ("control.n", "play.y", "relay.y", "table.z")),
+    )
+    start = jo.Initial(s, value=0.2)
+    blocks = control, play, relay, table, push
+    model = jo.compile(jo.Mechanism(cart, rail, start, *blocks, *sensors, core=core))
+    solver = getattr(jo, method)(step=1e-3)
+    write_program(model, tmp_path / "cart.c", solver)
+    found = table_of(compiled(tmp_path, "cart.c", flags=(*PLAIN, "-DMAIN")), "1.0", "20")
+    run = jo.simulate(model, 1.0, solver=solver, output_step=0.05)
+    want = expected(model, run)
+    assert np.abs(found - want).max() < 1e-9 * np.abs(want).max()
+    assert {0.0, 2.0} == set(run["relay.y"][:, 0].tolist())
+    assert run["control.n"][-1, 0] == 34.0

@@ -93,7 +93,13 @@ states:
   - {type: switch, name: chosen, condition: error.y - 0.5, positive: band.y, otherwise: limited.y}
   - {type: product, name: power, inputs: [chosen.y, rate(rail.displacement)]}
   - {type: integrator, name: work, input: power.y, gain: 2}
-  - {type: lookup, name: curve, input: chosen.y, at: [-2, 0, 2], values: [-1, 0, 3],
+  - {type: sampled, name: digital, period: 50 ms, initial: {u: 0, n: 0}, phase: 10 ms,
+     inputs: {y: chosen.y, x: rail.displacement}, updates: {u: 0.5*u + y - 0.1*x, n: n + 1}}
+  - {type: relay, name: valve, input: rail.displacement, lower: 0.001, upper: 0.002, on: 0.2}
+  - {type: play, name: back, input: digital.u + valve.y, play: 0.01}
+  - {type: bouc-wen, name: wires, coordinate: rail.displacement, stiffness: 5 N/m, share: 0.1,
+     beta: 3, gamma: 1, exponent: 2}
+  - {type: lookup, name: curve, input: back.y, at: [-2, 0, 2], values: [-1, 0, 3],
      interpolation: parabola, outside: line}
   - {type: lookup-map, name: map, x: curve.y, y: rail.displacement, at_x: [-2, 2], at_y: [0, 1, 2],
      values: [[0, -1, -2], [2, 3, 2]], interpolation: natural}
@@ -101,6 +107,7 @@ states:
 sensors:
   - {type: state, name: work, of: work.y, unit: J}
   - {type: state, name: y, of: system.y}
+  - {type: state, name: n, of: digital.n}
   - {type: coordinate, name: x, coordinate: rail.displacement}
 """
 
@@ -127,8 +134,14 @@ def test_blocks_equal_the_python_constructors() -> None:
     chosen = b.Switch("chosen", error["y"] - 0.5, band["y"], limited["y"])
     power = b.Multiplier("power", [chosen["y"], rate(s)])
     work = b.Integrator("work", power["y"], 2.0)
+    inputs = {"y": chosen["y"], "x": s}
+    updates = {"u": "0.5*u + y - 0.1*x", "n": "n + 1"}
+    digital = b.Sampled("digital", 0.05, {"u": 0.0, "n": 0.0}, updates, inputs=inputs, phase=0.01)
+    valve = b.Relay("valve", s, 0.001, 0.002, on=0.2)
+    back = b.Play("back", digital["u"] + valve["y"], 0.01)
+    wires = b.BoucWen("wires", s, 5.0, 0.1, 3.0, 1.0, 2.0)
     curve = b.Lookup(
-        *("curve", chosen["y"], [-2, 0, 2], [-1, 0, 3]), interpolation="parabola", outside="line"
+        *("curve", back["y"], [-2, 0, 2], [-1, 0, 3]), interpolation="parabola", outside="line"
     )
     table = b.LookupMap(
         *("map", curve["y"], s, [-2, 2], [0, 1, 2], [[0, -1, -2], [2, 3, 2]]),
@@ -136,17 +149,18 @@ def test_blocks_equal_the_python_constructors() -> None:
     )
     push = b.BlockForce("push", s, table["z"])
     blocks = system, tf, error, pid, lead, motor, slow, limited, band, chosen, power, work, push
-    blocks = *blocks, curve, table
+    blocks = *blocks, curve, table, digital, valve, back, wires
     sensors = (
         StateSensor("work", work["y"], unit="J"),
         StateSensor("y", system["y"]),
+        StateSensor("n", digital["n"]),
         jo.CoordinateSensor("x", s),
     )
     made = jo.Mechanism(*read.bodies, rail, *blocks, *sensors)
     runs = [jo.simulate(jo.compile(one), 1.0, solver=jo.RK4(1e-3)) for one in (read, made)]
-    for name in ("work", "y", "x"):
+    for name in ("work", "y", "x", "n"):
         assert np.array_equal(runs[0][name], runs[1][name])
-        assert abs(runs[0][name][-1, 0]) > 0.05
+        assert abs(runs[0][name][-1, 0]) > 1e-3
 
 
 @pytest.mark.parametrize(

@@ -113,6 +113,7 @@ from .states.expression import (
     value as value,
     where as where,
 )
+from .states.hysteresis import BoucWen as BoucWen, Play as Play, Relay as Relay
 from .states.linear import (
     Integrator as Integrator,
     Lag as Lag,
@@ -121,4 +122,5 @@ from .states.linear import (
     TransferFunction as TransferFunction,
 )
 from .states.reeving import Reeving as Reeving
+from .states.sampled import Sampled as Sampled
 from .states.tables import Lookup as Lookup, LookupMap as LookupMap

@@ -6,8 +6,13 @@ EngineLaw(
     "network",
     constants=(
         *("number", "states", "coordinates", "signals", "constants"),
-        *("values", "instructions", "pushes", "slopes"),
+        *("values", "instructions", "pushes", "slopes", "memories"),
     ),
     between=True,
     fast={"states": ()},
+).declared()
+EngineLaw(
+    "memory",
+    constants=("network", "first", "count", "period", "phase", "margin", "jumps"),
+    yields=True,
 ).declared()

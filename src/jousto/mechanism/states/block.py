@@ -30,11 +30,24 @@ class Equations:
         Rates of all states, 1/s times their units, and outputs by name.
     forces : list of (Coordinate, Expression)
         Forces along coordinates, N or N m.
+    updates : dict of str to Expression
+        Values of the memories from the end of a step or from a sample on.
+    margin : Expression, optional
+        Expression that is positive; where it would become negative, a step ends.
     """
 
     rates: dict[str, Any] = keep(default_factory=dict)
     outputs: dict[str, Any] = keep(default_factory=dict)
     forces: list[tuple[Coordinate, Any]] = keep(default_factory=list)
+    updates: dict[str, Any] = keep(default_factory=dict)
+    margin: Any = None
+
+    @property
+    def roots(self) -> tuple[Any, ...]:
+        """All expressions."""
+        some = *self.rates.values(), *self.outputs.values(), *(f for _, f in self.forces)
+        ends = () if self.margin is None else (self.margin,)
+        return (*some, *self.updates.values(), *ends)
 
 
 class Block(Declared, section="states"):
@@ -59,14 +72,30 @@ class Block(Declared, section="states"):
         """Sizes of states that count as 1 for error control, by name; others have 1."""
         return {}
 
+    @property
+    def memories(self) -> Mapping[str, float]:
+        """Initial values of what is constant within a step, by name."""
+        return {}
+
+    jumps: ClassVar[bool] = False
+    """Whether outputs jump with the memories."""
+
     if TYPE_CHECKING:
 
         @property
         def outputs(self) -> Any:
             """Names of the outputs; a class attribute, a property or a field."""
 
+        @property
+        def period(self) -> Any:
+            """Sampling period of the memories, s; 0: they change at the end of each step."""
+
+        @property
+        def phase(self) -> Any:
+            """Time of the first sample, s."""
+
     else:
-        outputs = ()
+        outputs, period, phase = (), 0.0, 0.0
 
     @property
     def drawn_at(self) -> tuple[Any, ...]:
@@ -89,11 +118,11 @@ class Block(Declared, section="states"):
 
     def __getitem__(self, name: str) -> Expression:
         """Return a state or an output as an expression."""
-        if name in self.starts:
+        if name in self.starts or name in self.memories:
             return Expression("state", of=(self, name))
         if name in self.outputs:
             return Expression("output", of=(self, name))
-        known = (*self.starts, *self.outputs)
+        known = (*self.starts, *self.memories, *self.outputs)
         raise InputError(
             Problem(f"{self.kind} {self.name!r}", f"has no {name!r}{suggest(name, known)}")
         )
@@ -103,8 +132,7 @@ class Block(Declared, section="states"):
         """Coordinates on which the block depends, and along which it pushes."""
         made = self.checked()
         found = {c.key: c for c, _ in made.forces}
-        roots = (*made.rates.values(), *made.outputs.values(), *(f for _, f in made.forces))
-        for one in leaves_of(roots):
+        for one in leaves_of(made.roots):
             if one.operation in ("value", "rate"):
                 found.setdefault(one.of.key, one.of)
         return tuple(found.values())
@@ -112,8 +140,7 @@ class Block(Declared, section="states"):
     @property
     def signals(self) -> tuple[Signal, ...]:
         """Signals of time on which the block depends."""
-        made = self.checked()
-        roots = (*made.rates.values(), *made.outputs.values(), *(f for _, f in made.forces))
+        roots = self.checked().roots
         return tuple(one.of for one in leaves_of(roots) if one.operation == "signal")
 
     def checked(self) -> Equations:
@@ -126,11 +153,12 @@ class Block(Declared, section="states"):
         """
         problems = Problems()
         where = f"{self.kind} {self.name!r}"
-        made = self.equations({name: self[name] for name in self.starts})
+        made = self.equations({name: self[name] for name in (*self.starts, *self.memories)})
         done = Equations()
         for what, given, wanted, into in (
             ("rate", made.rates, tuple(self.starts), done.rates),
             ("output", made.outputs, self.outputs, done.outputs),
+            ("next value", made.updates, tuple(self.memories), done.updates),
         ):
             for name in given:
                 if name not in wanted:
@@ -143,6 +171,8 @@ class Block(Declared, section="states"):
         for coordinate, force in made.forces:
             found = as_expression(problems, where, f"force along {coordinate.name!r}", force)
             done.forces.append((coordinate, found))
+        if made.margin is not None:
+            done.margin = as_expression(problems, where, "margin", made.margin)
         problems.raise_if_any()
         return done
 
@@ -299,7 +329,7 @@ class States(Block, tag="states"):
             as_formula(problems, where, f"input {i + 1}", one, {}) for i, one in enumerate(inputs)
         ]
         if period:
-            text = f"the system is sampled every {period:g} s; give a continuous one"
+            text = f"the system is sampled every {period:g} s; take Sampled.from_system"
             problems.add(where, text)
         if len(terms) != B.shape[1]:
             text = f"the system has {B.shape[1]} inputs, {len(terms)} are given"

@@ -15,7 +15,7 @@ Of: TypeAlias = tuple[int, ...] | int | float | complex
 """Operands of an operation, index of a leaf, or a number."""
 BLOCK = "numbers"
 """Kind of a leaf of several numbers: a table."""
-LEAVES = ("state", "value", "rate", "time", "signal")
+LEAVES = ("state", "value", "rate", "time", "signal", "signal rate", "memory")
 
 FOLDED: dict[str, Callable[..., float]] = {
     "add": lambda a, b: a + b,
@@ -153,8 +153,17 @@ class Program:
             case _:  # select
                 return none, self.add("select", a, one, none), self.add("select", a, none, one)
 
-    def derivatives(self, node: int) -> dict[tuple[str, int], int]:
+    def derivatives(
+        self, node: int, leaves: tuple[str, ...] = ("state", "value", "rate")
+    ) -> dict[tuple[str, int], int]:
         """Return the derivatives of an entry with respect to states, values and rates.
+
+        Parameters
+        ----------
+        node : int
+            The entry.
+        leaves : tuple of str
+            Kinds of the leaves.
 
         Returns
         -------
@@ -172,7 +181,7 @@ class Program:
                     more = self.add("multiply", slope[at], own)
                     before = slope.get(part)
                     slope[part] = more if before is None else self.add("add", before, more)
-            elif kind in ("state", "value", "rate") and self._value(slope[at]) != 0.0:
+            elif kind in leaves and self._value(slope[at]) != 0.0:
                 assert isinstance(of, int)
                 found[kind, of] = slope[at]
         return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any, cast
 
 from jousto.base.errors import InputError, Problem, suggest
@@ -49,7 +50,27 @@ class System(ForceElement):
     def pushes(self) -> tuple[Push, ...]:
         """The system as a law of the engine."""
         names = tuple(f"{block.name}.{name}" for block, name in self._made.states)
-        return (Push("network", {}, numbers=self._packed, states=names, active=True),)
+        network = Push("network", {}, numbers=self._packed, states=names, active=True)
+        return (network, *map(self._kept, self._made.kept))
+
+    def _kept(self, memory: _Memory) -> Push:
+        """Return what a block keeps within steps as a law of the engine."""
+        block, made = memory.block, self._made
+        names = ("samples", *block.memories)
+        data = packed(
+            "jo_memory_data",
+            list(block.memories.values()),
+            [made.register[node] for node in memory.updates],
+            network=self.number,
+            first=memory.first,
+            count=len(block.memories),
+            period=block.period,
+            phase=block.phase,
+            margin=-1 if memory.margin is None else made.register[memory.margin],
+            jumps=block.jumps,
+        )
+        states = tuple(f"{block.name}.{name}" for name in names)
+        return Push("memory", {}, numbers=lambda _: Packed(data), states=states)
 
     @property
     def registers(self) -> dict[int, int]:
@@ -84,8 +105,19 @@ class System(ForceElement):
             instructions=len(made.code) // 4,
             pushes=len(made.pushes),
             slopes=len(made.slopes),
+            memories=made.memories,
         )
         return Packed(data, coupled=(tuple(sorted(bodies)),))
+
+
+@dataclass(frozen=True)
+class _Memory:
+    """Memories of a block: the first one in the system; entries of next values and margin."""
+
+    block: Block
+    first: int
+    updates: list[int]
+    margin: int | None
 
 
 class _Assembly:
@@ -97,6 +129,10 @@ class _Assembly:
         self.signals: list[Signal] = []
         self.states = [(block, name) for block in blocks for name in block.starts]
         self._state = {(id(block), name): i for i, (block, name) in enumerate(self.states)}
+        kept = [(block, name) for block in blocks for name in block.memories]
+        self._memory = {(id(block), name): i for i, (block, name) in enumerate(kept)}
+        self.memories = len(kept)
+        self._no_rate = False
         self._named = {block.name: block for block in blocks}
         self._equations: dict[int, Equations] = {}
         self._blocks = blocks
@@ -113,6 +149,11 @@ class _Assembly:
         self.pushes = [
             (self._coordinate(c), self._node(force)) for one in equations for c, force in one.forces
         ]
+        self.kept = [
+            self._remember(block, one)
+            for block, one in zip(blocks, equations, strict=True)
+            if block.memories
+        ]
         self.seen = [self._node(one) for one in watched]
         self._differentiate()
         self._lay_out()
@@ -121,6 +162,30 @@ class _Assembly:
         if id(block) not in self._equations:
             self._equations[id(block)] = block.checked()
         return self._equations[id(block)]
+
+    def _remember(self, block: Block, equations: Equations) -> _Memory:
+        first = self._memory[id(block), next(iter(block.memories))]
+        self._no_rate = False
+        updates = [self._node(equations.updates[name]) for name in block.memories]
+        margin = None if equations.margin is None else self._node(equations.margin)
+        return _Memory(block, first, updates, None if self._no_rate else margin)
+
+    def _rate_of(self, node: int) -> int:
+        """Return the total derivative of an entry by time; 0 if it needs accelerations."""
+        p = self.program
+        total = p.number(0.0)
+        leaves = ("state", "value", "rate", "time", "signal")
+        for (kind, i), slope in p.derivatives(node, leaves).items():
+            if kind == "rate":
+                self._no_rate = True
+                return p.number(0.0)
+            if kind == "state":
+                own = self.rates[i]
+            else:
+                of_time = {"value": "rate", "signal": "signal rate"}.get(kind)
+                own = p.number(1.0) if of_time is None else p.leaf(of_time, i)
+            total = p.add("add", total, p.add("multiply", slope, own))
+        return total
 
     def _coordinate(self, coordinate: Coordinate) -> int:
         key = coordinate.key
@@ -147,6 +212,8 @@ class _Assembly:
 
     def _entry(self, one: Expression) -> int:
         p, kind = self.program, one.operation
+        if kind == "rate of":
+            return self._rate_of(self._nodes[id(one.operands[0])])
         if one.operands:
             return p.add(kind, *(self._nodes[id(part)] for part in one.operands))
         if kind == "number":
@@ -164,6 +231,8 @@ class _Assembly:
         block, name = self._target(one)
         if name in block.starts:
             return p.leaf("state", self._state[id(block), name])
+        if name in block.memories:
+            return p.leaf("memory", self._memory[id(block), name])
         return self._outputs[id(block), name]
 
     def _target(self, leaf: Expression) -> tuple[Block, str]:
@@ -203,14 +272,17 @@ class _Assembly:
             for leaf in leaves_of([self._of(block).outputs[name]]):
                 if leaf.operation in ("state", "output", "named"):
                     other, part = self._target(leaf)
-                    if part not in other.starts and (id(other), part) not in self._outputs:
+                    kept = part in other.starts or part in other.memories
+                    if not kept and (id(other), part) not in self._outputs:
                         stack.append((other, part))
 
     def _differentiate(self) -> None:
         n, m = len(self.states), len(self.coordinates)
         first = {"state": 0, "value": n, "rate": n + m}
         rows = [*enumerate(self.rates), *((n + k, node) for k, node in self.pushes)]
-        self._values = self.program.below([*self.rates, *(x for _, x in self.pushes), *self.seen])
+        kept = [x for one in self.kept for x in (*one.updates, one.margin) if x is not None]
+        roots = [*self.rates, *(x for _, x in self.pushes), *self.seen, *kept]
+        self._values = self.program.below(roots)
         self.slopes = [
             (row, first[kind] + index, slope)
             for row, node in rows
@@ -237,6 +309,8 @@ class _Assembly:
             "rate": len(self.coordinates),
             "time": 1,
             "signal": len(self.signals),
+            "signal rate": len(self.signals),
+            "memory": self.memories,
         }
         at = len(self.constants)
         first = {}
@@ -288,16 +362,14 @@ def systems_of(blocks: Sequence[Block], watched: Sequence[Expression]) -> list[S
                 raise InputError(
                     Problem(where, f"needs the block {other.name!r}, which is not in the mechanism")
                 )
-            if part not in other.starts and part not in other.outputs:
-                known = (*other.starts, *other.outputs)
+            known = (*other.starts, *other.memories, *other.outputs)
+            if part not in known:
                 text = f"needs {part!r} of block {other.name!r}{suggest(part, known)}"
                 raise InputError(Problem(where, text))
             leader[root(id(other))] = root(key)
 
     for block in blocks:
-        made = block.checked()
-        roots = (*made.rates.values(), *made.outputs.values(), *(f for _, f in made.forces))
-        meet(id(block), roots, f"{block.kind} {block.name!r}")
+        meet(id(block), block.checked().roots, f"{block.kind} {block.name!r}")
     for one in watched:
         leader[id(one)] = id(one)
         meet(id(one), [one], "sensor")

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+import numpy as np
+
 from jousto.base.errors import InputError, Problem
-from jousto.model.model import Model
+from jousto.model.model import ForceModel, Model
+from jousto.model.native.header import named
 from jousto.simulation.contacts import contacts, resolved_by
 from jousto.simulation.solvers.base import Solver
 from jousto.simulation.solvers.rosenbrock import ROS2
+
+ON_STEP = 1e-6
+"""Part of a step within which a sample is at its end."""
 
 
 def check_bounded(model: Model, solver: Solver) -> None:
@@ -14,12 +22,13 @@ def check_bounded(model: Model, solver: Solver) -> None:
 
     A contact takes shorter steps while it touches, as many as it needs, unless it strikes by
     impulses and the method has closed contacts in its matrix; a rigid stop or lock ends a step at
-    its impact.
+    its impact; a sampled block is sampled at ends of steps.
 
     Raises
     ------
     InputError
-        With all contacts, rigid stops and locks of the model, for a solver with ``events="step"``.
+        With all contacts, rigid stops, locks and samples between steps of the model, for a solver
+        with ``events="step"``.
     """
     if not solver.bounded:
         return
@@ -44,8 +53,29 @@ def check_bounded(model: Model, solver: Solver) -> None:
         )
         for row in model.switched
     ]
+    problems += [
+        Problem(
+            f"states {force.name!r}",
+            f"are sampled, and the {what} of {x:g} s is no multiple of the step of {solver.step:g} "
+            f's; take a step of {near:.6g} s, or events="located"',
+        )
+        for force in model.forces
+        if force.kind == "memory"
+        for what, x, near in _between_steps(force, solver.step)
+    ]
     if problems:
         raise InputError(problems)
+
+
+def _between_steps(force: ForceModel, step: float) -> Iterator[tuple[str, float, float]]:
+    """Yield the period and phase of samples between the ends of steps, s, and a step that fits."""
+    numbers = named("jo_memory_data", force.data)
+    period, phase = float(np.real(numbers.period)), float(np.real(numbers.phase))
+    near = period / max(1, round(period / step))
+    for what, x in (("period", period), ("phase", phase)):
+        count = x / step
+        if period > 0.0 and (abs(count - round(count)) > ON_STEP or (x == period and count < 0.5)):
+            yield what, x, near
 
 
 def deferred_warning(deferred: int, steps: int) -> str:

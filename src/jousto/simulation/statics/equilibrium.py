@@ -24,7 +24,7 @@ from jousto.simulation.statics.equilibrium_sparse import settle
 from jousto.simulation.statics.free_bodies import check_adrift
 from jousto.simulation.statics.neglected_stiffening import check_second_order
 from jousto.simulation.statics.plastic_limit import name_plastic_limit
-from jousto.simulation.statics.states_rest import rest_with_states, state_systems
+from jousto.simulation.statics.states_rest import rest_with_states, state_systems, without_memories
 
 ITERATIONS = 100  # maximum number of iterations
 TURN = 0.5  # largest rotation of an iteration, rad
@@ -85,6 +85,7 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
                 "is within the limits, or use an elastic Stop",
             )
     held, where = hold_controllers(model), f"equilibrium of {model.name!r}"
+    without_memories(model, where)
     if state_systems(model):
         without_fmus(model, "equilibrium", "has no state at rest that is known")
         found = rest_with_states(model, state)

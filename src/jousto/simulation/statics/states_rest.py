@@ -143,3 +143,18 @@ def _lengths(model: Model) -> NDArray[np.float64]:
 def state_systems(model: Model) -> list[ForceModel]:
     """Return the systems of a model that have states."""
     return [force for force in networks(model) if force.states]
+
+
+def without_memories(model: Model, where: str) -> None:
+    """Raise InputError if blocks of a model keep values from the steps before."""
+    problems = [
+        Problem(
+            where,
+            f"{force.state_names[0].rpartition('.')[0]!r} keeps values from the steps before; "
+            "simulate until the machine has come to rest",
+        )
+        for force in model.forces
+        if force.kind == "memory"
+    ]
+    if problems:
+        raise InputError(problems)
