@@ -74,12 +74,12 @@ void jo_start_slot(const jo_model *m, const jo_data *d, const jo_force *f, jo_re
 /* force_states.c */
 int jo_condenses(const jo_stage *stage);   /* whether an implicit stage solves for the states within the forces */
 jo_real jo_condense_state(const jo_model *m, jo_data *d, const jo_stage *stage, int state, jo_real rate, jo_real decay);
+void jo_keep_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f);   /* constant in the step */
 
 /* signal.c */
 jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_real time);
 
 /* force_table.c */
-void jo_keep_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f);   /* constant in the step */
 int jo_apply_force(const jo_model *m, jo_data *d, const jo_stage *stage, int force);
 int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage);

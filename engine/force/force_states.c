@@ -20,3 +20,13 @@ jo_real jo_condense_state(const jo_model *m, jo_data *d, const jo_stage *stage, 
     d->v[i] += cv * y;
     return d->v[i];
 }
+
+/* states of a released force, and of a memory: constant */
+void jo_keep_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f)
+{
+    const jo_real none = jo_same(0.0);
+    for (int k = f->state; k < f->state + f->states; k++) {
+        if (jo_condenses(stage)) jo_condense_state(m, d, stage, k, none, none);
+        else jo_state_rates(m, d)[k] = none;
+    }
+}

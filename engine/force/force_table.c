@@ -9,16 +9,6 @@ static const jo_force_kind *const table[] = {JO_FORCES(JO_FORCE_ENTRY)};
 
 const jo_yielding *jo_yielding_of(const jo_force *f) { return table[f->type]->yielding; }
 
-/* states of a released force, and of a memory: constant */
-void jo_keep_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f)
-{
-    const jo_real none = jo_same(0.0);
-    for (int k = f->state; k < f->state + f->states; k++) {
-        if (jo_condenses(stage)) jo_condense_state(m, d, stage, k, none, none);
-        else jo_state_rates(m, d)[k] = none;
-    }
-}
-
 /* force of one element; 0 after its release */
 int jo_apply_force(const jo_model *m, jo_data *d, const jo_stage *stage, int force)
 {
