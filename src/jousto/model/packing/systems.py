@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.mechanism.forces.base import ForceElement, Packed, Push
@@ -110,8 +109,7 @@ class System(ForceElement):
         return Packed(data, coupled=(tuple(sorted(bodies)),))
 
 
-@dataclass(frozen=True)
-class _Memory:
+class _Memory(NamedTuple):
     """Memories of a block: the first one in the system; entries of next values and margin."""
 
     block: Block
