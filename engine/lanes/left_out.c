@@ -319,6 +319,15 @@ jo_real jo_network_value(const jo_model *m, const jo_data *d, int network, int n
     (void)m; (void)d; (void)network; (void)number;
     return jo_same(NAN);
 }
+jo_network *jo_network_of_memory(const jo_data *d, const jo_force *f)
+{
+    (void)d; (void)f;
+    return 0;
+}
+void jo_network_coordinates(const jo_model *m, jo_data *d, const jo_network *w)
+{
+    (void)m; (void)d; (void)w;
+}
 void jo_networks_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
     (void)m; (void)a;
