@@ -123,6 +123,7 @@ def everything() -> jo.Mechanism:
             *("trolley", (arm["start"], arm["end"]), slider["tip"], jo.mechanism.PowerLaw(1e6)),
             up=(0, 0, -1),
         ),
+        jo.mechanism.Slider("runner", (arm["start"], arm["end"]), slider["tip"], 1e5),
         jo.mechanism.Tyre(
             *("tyre", jo.ground.at((0, 0, -50.0)), wheel["origin"], 0.3),
             *(jo.mechanism.MagicFormula(), 2e5),

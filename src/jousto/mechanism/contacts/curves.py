@@ -96,7 +96,7 @@ class TableLaw(Rebounding, tag="table-law"):
     --------
     >>> law = TableLaw([0, 1e-3, 2e-3], [0, 1000, 4000], restitution=0.6)
     >>> law.rows[:, 3].round(2).tolist()  # energy, J
-    [0.0, 0.38, 2.83]
+    [0.0, 0.38, 2.67]
     """
 
     curve = TABLE
