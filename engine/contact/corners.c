@@ -10,7 +10,7 @@ enum { JO_ROOM = 64 };              /* corners while a face is cut */
 #define JO_WITHIN 1e-9              /* distance from a side, over the size, up to which a point is on it */
 #define JO_STRAIGHT 1e-4            /* turning angle of a corner that is left out, rad */
 #define JO_NEARLY_FLAT 0.995        /* cosine of the angle of the normal of two edges with that of the face, below which they are no corner */
-#define JO_PARALLEL 1e-3            /* sine of the angle of two edges up to which they touch along their length */
+#define JO_BESIDE 1e-3              /* sine of the angle of two edges up to which they touch along their length */
 #define JO_LEAST_WEIGHT 1e-6        /* weight of a corner that is left out */
 #define JO_CORNERS_PER_FACE 4.0     /* weight of a whole face */
 
@@ -308,7 +308,7 @@ static int along_edges(const jo_polytope *a, const jo_polytope *b, const jo_sepa
     jo_unit3d(e[known]);
     /* the other edge, where it is parallel: its ends are furthest along the normal, tilted both ways */
     for (int side = -1; side <= 1; side += 2) {
-        for (int c = 0; c < 3; c++) n[c] = (known ? 1.0 : -1.0) * s->normal[c] + side * JO_PARALLEL * e[known][c];
+        for (int c = 0; c < 3; c++) n[c] = (known ? 1.0 : -1.0) * s->normal[c] + side * JO_BESIDE * e[known][c];
         const int at_other = 2 * (1 - known);
         of[at_other + (side > 0)] = jo_polytope_support(both[1 - known], n, s->of[at_other]);
     }
@@ -319,7 +319,7 @@ static int along_edges(const jo_polytope *a, const jo_polytope *b, const jo_sepa
         length[k] = jo_unit3d(e[k]);
     }
     jo_cross3d(n, e[0], e[1]);
-    if (!(jo_dot3d(n, n) <= JO_PARALLEL * JO_PARALLEL)) return 0;
+    if (!(jo_dot3d(n, n) <= JO_BESIDE * JO_BESIDE)) return 0;
     static const int order[4] = {2, 3, 0, 1};
     int count = 0;
     for (int j = 0; j < 4 && count < 2; j++) {
