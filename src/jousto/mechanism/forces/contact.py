@@ -119,7 +119,17 @@ class Contact(ForceElement, tag="contact"):
 
     kind = "contact"
     summed = True
-    together = ("a", "b", "shape_a", "shape_b", "law", "mu_kinetic", "mu_static")
+    together = (
+        "a",
+        "b",
+        "shape_a",
+        "shape_b",
+        "law",
+        "mu_kinetic",
+        "mu_static",
+        "rolling",
+        "drilling",
+    )
     a: MarkerField = field("Marker of the first shape")
     shape_a: ShapeField = field("Shape in the frame of a")
     b: MarkerField = field("Marker of the second shape")

@@ -56,7 +56,7 @@ class Slider(OnTrack, tag="slider"):
 
     kind = "slider"
     measured = ("force", "moment")
-    together = ("track", "b", "stiffness", "mu", "hold")
+    together = ("track", "b", "stiffness", "mu", "hold", "brake", "reference")
     stiffness: Number = field("Stiffness across the track", unit="N/m", above=0)
     damping: Number = field("Damping across the track", unit="N s/m", least=0, default=0.0)
     play: Number = field("Play around the track", unit="m", least=0, default=0.0, kw_only=True)
