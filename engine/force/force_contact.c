@@ -157,10 +157,11 @@ static double longest_step(const jo_model *m, const jo_data *d, const jo_force *
 {
     jo_contact_tip tip;
     jo_contact_point y;
-    const int moves = explicit_method || jo_contact_is_smooth(jo_contact_law_of(f));
-    if (moves && jo_contact_phase(states(d, f)) != JO_CONTACT_APART) present(m, d, f, states(d, f), &tip, &y);
+    const int touches = jo_contact_phase(states(d, f)) != JO_CONTACT_APART;
+    const int moves = touches && (explicit_method || jo_contact_is_smooth(jo_contact_law_of(f)));
+    if (moves) present(m, d, f, states(d, f), &tip, &y);
     const double longest = jo_contact_longest_step(jo_contact_law_of(f), states(d, f), d->time[0], explicit_method, moves ? &y : 0);
-    if (!explicit_method || !jo_contact_turns(f) || jo_contact_phase(states(d, f)) == JO_CONTACT_APART) return longest;
+    if (!explicit_method || !jo_contact_turns(f) || !touches) return longest;
     return fmin(longest, JO_CONTACT_STABLE / jo_turn_rate(numbers(f), &y));
 }
 
