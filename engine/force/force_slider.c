@@ -57,7 +57,7 @@ static int present(const jo_model *m, const jo_data *d, const jo_force *f, rider
 static void force_of(const jo_model *m, const jo_data *d, const jo_force *f, double lead, const rider *y, jo_dual *F, jo_work *power)
 {
     const jo_slider_data *x = numbers(f);
-    const double time = d->time[0] + lead;
+    const jo_real time = d->time[0] + lead;
     jo_dual v[3];
     for (int i = 0; i < 3; i++) v[i] = jo_dual_of(y->at.v.v[i], y->at.v.d[i]);
     const int touches = JO_RE(y->beyond.v) > 0.0;
