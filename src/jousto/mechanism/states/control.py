@@ -8,13 +8,13 @@ from jousto.base.errors import Problems
 from jousto.base.fields import Choice, field
 from jousto.base.numbers import Number, OptionalNumber, OptionalPositive, Positive
 from jousto.mechanism.forces.pid import FILTER, TRACKING
-from jousto.mechanism.states.block import Block, Equations
+from jousto.mechanism.states.block import Equations
 from jousto.mechanism.states.expression import Expression, clip, where
 from jousto.mechanism.states.inputs import InputField, OptionalInput
-from jousto.mechanism.states.linear import SIZE, within
+from jousto.mechanism.states.linear import SIZE, Sized, within
 
 
-class PIDController(Block, tag="pid"):
+class PIDController(Sized, tag="pid"):
     """PID controller of any measured value y, with filtered derivative and anti-windup.
 
     ``v = kp (weight r - y) + I - D + feedforward``, ``u`` is v within the limits, ``D = kd (y -
@@ -110,11 +110,6 @@ class PIDController(Block, tag="pid"):
         made = {"integral": self.initial} if self.ki else {}
         return made | ({"filtered": self.start} if self.kd else {})
 
-    @property
-    def nominals(self) -> Mapping[str, float]:
-        """Sizes of states for error control."""
-        return dict.fromkeys(self.starts, self.size)
-
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return the rates, and the output with and without limits."""
         made = Equations()
@@ -142,7 +137,7 @@ class PIDController(Block, tag="pid"):
         return made
 
 
-class RateLimit(Block, tag="rate-limit"):
+class RateLimit(Sized, tag="rate-limit"):
     """Output y that follows an input with a limited rate.
 
     ``y' = clip((u - y)/filter, -falling, rising)``: within the limits a lag of first order.
@@ -160,11 +155,6 @@ class RateLimit(Block, tag="rate-limit"):
     def starts(self) -> Mapping[str, float]:
         """Initial value."""
         return {"y": self.initial}
-
-    @property
-    def nominals(self) -> Mapping[str, float]:
-        """Size of the state for error control."""
-        return {"y": self.size}
 
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return the rate."""

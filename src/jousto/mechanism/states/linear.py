@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,7 +18,22 @@ from jousto.mechanism.states.state_space import Matrices, of_transfer_function
 SIZE = "Size of the states for the error control of DormandPrince"
 
 
-class _Linear(Block):
+class Sized(Block):
+    """Base of blocks whose states have one size for the error control."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def size(self) -> float:
+            """Size of the states."""
+
+    @property
+    def nominals(self) -> Mapping[str, float]:
+        """Sizes of the states for error control."""
+        return dict.fromkeys(self.starts, self.size)
+
+
+class _Linear(Sized):
     """Base of ``x' = A x + B u``, ``y = C x + D u`` with states x1, x2 and so on."""
 
     size: Positive = field(SIZE, default=1.0, kw_only=True)
@@ -42,11 +57,6 @@ class _Linear(Block):
     def starts(self) -> Mapping[str, float]:
         """Initial values of the states by name."""
         return {f"x{i + 1}": x for i, x in enumerate(self.first)}
-
-    @property
-    def nominals(self) -> Mapping[str, float]:
-        """Sizes of states for error control."""
-        return dict.fromkeys(self.starts, self.size)
 
     @property
     def outputs(self) -> Any:
@@ -159,7 +169,7 @@ class TransferFunction(_Linear, tag="transfer-function"):
         return (self.input,)
 
 
-class Integrator(Block, tag="integrator"):
+class Integrator(Sized, tag="integrator"):
     """Integral ``y' = gain u``; at a limit it stops while the input pushes on.
 
     Beyond a limit the integral goes at most by one step, and y not at all.
@@ -187,11 +197,6 @@ class Integrator(Block, tag="integrator"):
         """Initial value."""
         return {"integral": self.initial}
 
-    @property
-    def nominals(self) -> Mapping[str, float]:
-        """Size of the state for error control."""
-        return {"integral": self.size}
-
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return the rate, 0 at a limit towards which the input pushes."""
         y = x["integral"]
@@ -203,7 +208,7 @@ class Integrator(Block, tag="integrator"):
         return Equations({"integral": rate}, {"y": within(y, self.lower, self.upper)})
 
 
-class Lag(Block, tag="lag"):
+class Lag(Sized, tag="lag"):
     """Lag of first order, ``time y' = gain u - y``."""
 
     kind = "lag"
@@ -218,17 +223,12 @@ class Lag(Block, tag="lag"):
         """Initial value."""
         return {"y": self.initial}
 
-    @property
-    def nominals(self) -> Mapping[str, float]:
-        """Size of the state for error control."""
-        return {"y": self.size}
-
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return the rate."""
         return Equations({"y": (self.gain * self.input - x["y"]) / self.time})
 
 
-class Lead(Block, tag="lead"):
+class Lead(Sized, tag="lead"):
     """Lead or lag ``y = gain (1 + lead s) / (1 + lag s) u``.
 
     The state x with ``lag x' = u - x`` gives ``y = gain (x + lead/lag (u - x))``.
@@ -247,11 +247,6 @@ class Lead(Block, tag="lead"):
     def starts(self) -> Mapping[str, float]:
         """Initial value."""
         return {"x": self.initial}
-
-    @property
-    def nominals(self) -> Mapping[str, float]:
-        """Size of the state for error control."""
-        return {"x": self.size}
 
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return rate and output."""
