@@ -6,7 +6,7 @@
  * boundary at the corner, so that a corner within a straight side has none, and two corners that meet are one. */
 #include "contact/polytope.h"
 
-enum { JO_ROOM = 64 };              /* corners while a face is cut */
+enum { JO_ROOM = 128 };             /* corners while a face is cut */
 #define JO_WITHIN 1e-9              /* distance from a side, over the size, up to which a point is on it */
 #define JO_STRAIGHT 1e-4            /* turning angle of a corner that is left out, rad */
 #define JO_NEARLY_FLAT 0.995        /* cosine of the angle of the normal of two edges with that of the face, below which they are no corner */
@@ -118,15 +118,21 @@ static double area_of(const area *t, double *centre)
     return sum;
 }
 
-/* the same of the face itself; INFINITY for a half-space */
+/* twice the area of the face itself; INFINITY for a half-space */
 static double area_of_face(const area *t)
 {
-    area own = *t;
-    double c[3];
+    double p[3], q[3], r[3], u[3], v[3], c[3], sum = 0.0;
     if (!t->own->vertices) return INFINITY;
-    own.count = jo_polytope_corners(t->own, t->face);
-    for (int i = 0; i < own.count; i++) jo_polytope_vertex(t->own, jo_polytope_corner(t->own, t->face, i), own.at[i].x);
-    return area_of(&own, c);
+    jo_polytope_vertex(t->own, jo_polytope_corner(t->own, t->face, 0), p);
+    for (int i = 1; i + 1 < jo_polytope_corners(t->own, t->face); i++) {
+        jo_polytope_vertex(t->own, jo_polytope_corner(t->own, t->face, i), q);
+        jo_polytope_vertex(t->own, jo_polytope_corner(t->own, t->face, i + 1), r);
+        jo_minus3d(u, q, p);
+        jo_minus3d(v, r, p);
+        jo_cross3d(c, u, v);
+        sum += jo_dot3d(c, t->normal);
+    }
+    return sum;
 }
 
 /* angle by which the boundary turns at corner i, seen along the normal */
@@ -170,18 +176,23 @@ static void thin(area *t)
         if (sqrt(jo_dot3d(d, d)) > 4.0 * JO_WITHIN * t->size) i++;
         else leave_out(t, t->at[i].kind == OTHER_VERTEX ? (i + 1) % t->count : i);
     }
+    double turn[JO_ROOM];
+    if (t->count > 2)
+        for (int i = 0; i < t->count; i++) turn[i] = turn_at(t, i);
     while (t->count > 2) {
         int flattest = 0;
         double least = INFINITY;
-        for (int i = 0; i < t->count; i++) {
-            const double turn = turn_at(t, i);
-            if (turn < least) {
-                least = turn;
+        for (int i = 0; i < t->count; i++)
+            if (turn[i] < least) {
+                least = turn[i];
                 flattest = i;
             }
-        }
         if (!(least < JO_STRAIGHT) && t->count <= JO_CORNERS) break;
         leave_out(t, flattest);
+        for (int i = flattest; i < t->count; i++) turn[i] = turn[i + 1];
+        const int after = flattest % t->count, before = (flattest + t->count - 1) % t->count;
+        turn[after] = turn_at(t, after);
+        turn[before] = turn_at(t, before);
     }
 }
 

@@ -18,6 +18,7 @@ from jousto.mechanism import (
     ContactForceSensor,
     ContactPressureSensor,
     Contacts,
+    ConvexHull,
     Cuboid,
     HalfSpace,
     Hertz,
@@ -120,6 +121,22 @@ def test_the_moment_of_a_group_is_about_its_first_shape():
     run = jo.simulate(model, 0.02, solver=jo.ROS2(1e-3))
     np.testing.assert_allclose(run["f"][-1, :3], [0, 0, 7 * G], rtol=1e-4, atol=1e-9)
     np.testing.assert_allclose(run["f"][-1, 3:], [0, -4 * G, 0], rtol=1e-4, atol=1e-7)
+
+
+def test_force_of_a_pair_of_polytopes():
+    """A hull with its weight off the middle, in both orders: force, moment about its marker."""
+    corners = np.array(np.meshgrid(*[(-0.1, 0.1)] * 3)).reshape(3, -1).T
+    body = jo.RigidBody("b", 2.0, (0.01,) * 3, center=(0.03, 0.05, 0), position=(5, 6, 0.1))
+    law = PowerLaw(1e6, 1.0, restitution=0.2)
+    floor = CollisionShape("floor", jo.ground["origin"], HalfSpace())
+    hull = CollisionShape("hull", body["origin"], ConvexHull(corners))
+    for shapes in ([floor, hull], [hull, floor]):
+        touch = Contacts("set", shapes, law=law)
+        sensor = ContactForceSensor("f", touch, "floor", "hull")
+        model = jo.compile(jo.Mechanism(body, touch, sensor, jo.Gravity((0, 0, -G))))
+        run = jo.simulate(model, 2e-3, state=jo.equilibrium(model), solver=jo.ROS2(1e-3))
+        wanted = [0, 0, 2 * G, 0.05 * 2 * G, -0.03 * 2 * G, 0]
+        np.testing.assert_allclose(run["f"][-1], wanted, atol=1e-4)
 
 
 def test_names_of_a_pair_are_checked():

@@ -54,7 +54,9 @@ def robot_contacts(
     if len(found) < 2 or not sizes:
         return []
     if robot.untouching:
-        warn("contacts", f"shapes of these kinds touch nothing: {', '.join(robot.untouching)}")
+        warn("contacts", f"these shapes of the file touch nothing: {'; '.join(robot.untouching)}")
+    if wide := sorted({one.source for _, one in found if one.added}):
+        warn("contacts", f"meshes that are not convex touch as their hulls: {'; '.join(wide)}")
     words = {word for _, one in found for word in one.unread}
     if unread := sorted(words | {word for pair in robot.pairs for word in pair.unread}):
         warn("contacts", f"{', '.join(unread)} of the file are not read: one law for all shapes")

@@ -98,6 +98,10 @@ class Collision:
         Masks: two shapes touch if the type of one shares a bit with the affinity of the other.
     unread : tuple of str
         Words of the file on its contact that are not read.
+    source : str
+        What the shape was in the file, where it is not the same shape.
+    added : float
+        Share by which the hull of a mesh is larger than it, where the file does not ask for hulls.
     """
 
     name: str
@@ -109,6 +113,8 @@ class Collision:
     type_bits: int = 1
     affinity: int = 1
     unread: tuple[str, ...] = ()
+    source: str = ""
+    added: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -347,7 +353,7 @@ class Robot:
     pairs : tuple of ShapePair
         Pairs of shapes that touch in any case.
     untouching : tuple of str
-        Kinds of shapes of the file that would touch, but are not read.
+        Shapes of the file that would touch, but cannot, with the reason.
     """
 
     name: str
@@ -371,3 +377,13 @@ class Robot:
     def mass(self) -> float:
         """Mass of all links, kg."""
         return sum(link.mass for link in self.links)
+
+    @property
+    def shape_facts(self) -> list[tuple[str, str]]:
+        """Lines on each shape that touches others, and on those of the file that cannot."""
+        rows = []
+        for link in self.links:
+            for one in link.collisions:
+                text = one.source or str(one.shape).strip("<>")
+                rows.append((f"shape {one.name}", f"{text}, on {link.name}"))
+        return [*rows, *(("touches nothing", text) for text in self.untouching)]

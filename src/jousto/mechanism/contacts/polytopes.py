@@ -13,7 +13,7 @@ from jousto.base.arrays import Array
 
 MOST_VERTICES = 1000
 """Vertices, and faces, of a hull that the engine distinguishes (``JO_MAX_VERTICES``)."""
-MOST_CORNERS = 32
+MOST_CORNERS = 64
 """Corners of a face that the engine cuts (half of ``JO_ROOM`` in ``corners.c``)."""
 FLAT = 1e-9
 """Thickness over size below which points are in one plane."""
@@ -93,8 +93,18 @@ def half_space() -> Polytope:
     return plane
 
 
-def hull(points: Array, radius: float = 0.0) -> Polytope:
+def hull(points: Array, radius: float = 0.0, flat: float = 0.0) -> Polytope:
     """Return the convex hull of points (n, 3), m, by Qhull; triangles in one plane become a face.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        m.
+    radius : float
+        Radius of rounded edges, m.
+    flat : float
+        Distance from the plane of a face, over the size, up to which triangles belong to it; with
+        0 those at an angle below `SAME_PLANE` do.
 
     Raises
     ------
@@ -113,7 +123,8 @@ def hull(points: Array, radius: float = 0.0) -> Polytope:
         found = ConvexHull(points)
     except QhullError as error:
         raise ValueError(f"has no hull: {str(error).splitlines()[0]}") from None
-    group = _planes(found)
+    within = flat * float(np.ptp(points, axis=0).max())
+    group = _flat_faces(found, within) if flat else _planes(found)
     members = [np.unique(found.simplices[group == k].ravel()) for k in range(int(group.max()) + 1)]
     normals = [found.equations[group == k, :3].mean(axis=0) for k in range(len(members))]
     count = np.bincount(np.concatenate(members), minlength=len(points))
@@ -153,6 +164,29 @@ def _planes(found: Any) -> NDArray[np.int_]:
                 if group[other] < 0 and same:
                     group[other] = faces
                     front.append(other)
+        faces += 1
+    return group
+
+
+def _flat_faces(found: Any, within: float) -> NDArray[np.int_]:
+    """Return the number of the face of each triangle of a hull.
+
+    A face consists of its largest triangle and of neighbours, all within a distance of its plane.
+    """
+    x, n = found.points[found.simplices], found.equations[:, :3]
+    area = np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1)
+    group = np.full(len(n), -1)
+    faces = 0
+    for first in np.argsort(-area, kind="stable"):
+        if group[first] >= 0:
+            continue
+        group[first], front = faces, [int(first)]
+        while front:
+            for other in found.neighbors[front.pop()]:
+                away = np.abs((x[other] - x[first, 0]) @ n[first]).max()
+                if group[other] < 0 and away <= within:
+                    group[other] = faces
+                    front.append(int(other))
         faces += 1
     return group
 

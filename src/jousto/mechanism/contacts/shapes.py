@@ -351,6 +351,15 @@ class ConvexHull(Shape, tag="convex-hull"):
 
     code = -1
     points: Values = field("Points in the frame of the marker", unit="m", shape=(None, 3))
+    flat: Number = field(
+        "Distance from the plane of a face, over the size, up to which points belong to it: 1e-5 "
+        "for points with six digits; 0 for points that are exact",
+        unit="1",
+        least=0,
+        most=0.1,
+        default=0.0,
+        kw_only=True,
+    )
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report points that have no hull, and hulls that are too fine."""
@@ -370,7 +379,7 @@ class ConvexHull(Shape, tag="convex-hull"):
     @cached_property
     def polytope(self) -> Polytope:
         """The hull."""
-        return hull(self.points)
+        return hull(self.points, flat=self.flat)
 
     @property
     def triangles(self) -> Array:

@@ -101,7 +101,7 @@ class ContactForceSensor(Sensor, tag="contact-force"):
         """Input of the engine: the set, and the side of each shape."""
         shapes = self.contacts.shapes
         rows = np.zeros((2, max(SUM_ROW, len(shapes))))
-        rows[0, :2] = SUM_PAIR, self.contacts.slots
+        rows[0, :2] = SUM_PAIR, self.contacts.slots + self.contacts.convex
         for i, one in enumerate(shapes):
             rows[1, i] = 2 * (self.b in labels_of(one)) or self.a in labels_of(one)
         return Reading("contact", self.contacts, 0, self.axes, rows)

@@ -15,9 +15,10 @@ from jousto.base.files import special
 from jousto.base.names import harmless
 from jousto.mechanism.bodies import shapes
 from jousto.mechanism.bodies.shapes import Solid, read_surface
+from jousto.robots.readers.collisions import MeshHull, mesh_hull
 from jousto.robots.readers.xml import Element, Reading
 
-READ = (".stl", ".obj", ".ply", ".dae")
+READ = (".stl", ".obj", ".ply", ".dae", ".msh")
 LARGEST = 256 * 2**20  # largest size of a mesh file, bytes
 MOST = 1e100  # largest coordinate, m, whose square does not overflow
 
@@ -51,6 +52,8 @@ class Folders:
                 raise InputError(Problem(f"packages[{name!r}]", message))
             self.packages[str(name)] = Path(folder).resolve()
         self.base = self.home
+        self.read: dict[Path, Array] = {}
+        self.hulls: dict[str, MeshHull] = {}
 
     def within(self, name: str) -> Folders:
         """Return the same folders, with names relative to a subfolder of the file's folder."""
@@ -114,16 +117,67 @@ class Folders:
         if path.suffix.lower() not in READ:
             known = ", ".join(READ)
             return None, f"'{shown}' is a {path.suffix or 'nameless'} file, {known} are read"
+        if path in self.read:
+            return self.read[path], ""
         try:
             with np.errstate(
                 all="ignore"
             ):  # readers recognise the kind of a file by numbers in it, which may overflow
-                triangles = read_surface("mesh", path, "m")
+                own = path.suffix.lower() == ".msh" and not path.read_bytes().startswith(b"$")
+                triangles = mujoco_mesh(path) if own else read_surface("mesh", path, "m")
         except InputError as error:
             return None, f"'{shown}' cannot be used: {error.problems[0].message}"
         if not np.isfinite(triangles).all() or np.abs(triangles).max(initial=0.0) > MOST:
             return None, f"'{shown}' cannot be used: it has corners that are not finite"
+        self.read[path] = triangles
         return triangles, ""
+
+    def hull(self, name: str, scale: Array) -> MeshHull:
+        """Return the convex hull of a scaled mesh file.
+
+        Raises
+        ------
+        ValueError
+            With the reason if there is none.
+        """
+        triangles, why = self.surface(name)
+        if triangles is None:
+            raise ValueError(f"mesh {why}")
+        shown = harmless(name).rpartition("/")[2]
+        key = f"{name} {scale.tolist()}"
+        if key not in self.hulls:
+            scaled = triangles * scale
+            scaled = scaled[:, ::-1] if np.prod(scale) < 0.0 else scaled
+            try:
+                self.hulls[key] = mesh_hull(shown, scaled)
+            except ValueError as error:
+                raise ValueError(f"mesh '{shown}': {error}") from None
+        return self.hulls[key]
+
+    def heights(self, name: str) -> Array:
+        """Return the rows of a file of heights, from the smallest y to the largest.
+
+        It consists of the numbers of rows and columns, and of numbers of 4 bytes.
+
+        Raises
+        ------
+        ValueError
+            With the reason if it cannot be read.
+        """
+        path, why = self.find(name)
+        shown = harmless(name)
+        if path is None:
+            raise ValueError(f"hfield '{shown}' {why}")
+        data = path.read_bytes()
+        if data.startswith(b"\x89PNG"):
+            raise ValueError(f"hfield '{shown}': pictures are not read; give elevation=")
+        counts = np.frombuffer(data[:8], dtype="<i4").astype(np.int64)
+        if len(counts) < 2 or counts.min() < 2 or len(data) != 8 + 4 * int(counts.prod()):
+            raise ValueError(f"hfield '{shown}' is no file of rows, columns and heights")
+        heights = np.frombuffer(data, dtype="<f4", offset=8).astype(np.float64)
+        if not np.isfinite(heights).all():
+            raise ValueError(f"hfield '{shown}' has heights that are not finite")
+        return heights.reshape(counts)
 
     def mesh(self, reading: Reading, element: Element, name: str, scale: Array) -> Array | None:
         """Return the scaled triangles (nt, 3, 3) of a mesh file, m, or None with a warning."""
@@ -134,6 +188,29 @@ class Folders:
         found = found * scale
         # reverse the order of the corners of a mirrored mesh, so that normals point outward
         return found[:, ::-1] if np.prod(scale) < 0.0 else found
+
+
+def mujoco_mesh(path: Path) -> Array:
+    """Return the triangles (nt, 3, 3) of a MSH file of MuJoCo.
+
+    It consists of the numbers of vertices, normals, texture coordinates and faces, then of each of
+    them: three, three and two numbers of 4 bytes, and three indices.
+
+    Raises
+    ------
+    InputError
+        If the numbers do not belong to the size of the file.
+    """
+    data = path.read_bytes()
+    counts = np.frombuffer(data[:16], dtype="<i4").astype(np.int64)
+    size = 4 * (4 + int(counts @ [3, 3, 2, 3])) if len(counts) == 4 else 0
+    if size != len(data) or counts.min() < 0 or not counts[3]:
+        raise InputError(Problem("mesh", "it is no MSH file of MuJoCo or Gmsh"))
+    points = np.frombuffer(data, dtype="<f4", count=3 * counts[0], offset=16).reshape(-1, 3)
+    faces = np.frombuffer(data[size - 12 * int(counts[3]) :], dtype="<i4").reshape(-1, 3)
+    if faces.min() < 0 or faces.max() >= len(points):
+        raise InputError(Problem("mesh", "its triangles name points that do not exist"))
+    return np.asarray(points[faces], dtype=np.float64)
 
 
 def solid_of(reading: Reading, element: Element, kind: str, sizes: Array) -> Solid | None:

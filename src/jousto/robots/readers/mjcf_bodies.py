@@ -13,7 +13,6 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, suggest
 from jousto.robots.description import Collision, Frame, Link, Resistance, RobotJoint
-from jousto.robots.readers.collisions import shape_of
 from jousto.robots.readers.meshes import Folders
 from jousto.robots.readers.mjcf_collected import Collected, Site, turned_back
 from jousto.robots.readers.mjcf_expand import (
@@ -23,7 +22,7 @@ from jousto.robots.readers.mjcf_expand import (
     replicate,
     with_affixes,
 )
-from jousto.robots.readers.mjcf_geoms import SIZES, Geom, Geoms
+from jousto.robots.readers.mjcf_geoms import Geom, Geoms
 from jousto.robots.readers.mjcf_settings import Places
 from jousto.robots.readers.mjcf_words import LOPSIDED, MJCF
 from jousto.robots.readers.words import check_words
@@ -84,6 +83,8 @@ class Bodies:
         for section in self.root.all("asset"):
             for element in section.all("mesh"):
                 self.geoms.asset(element)
+            for element in section.all("hfield"):
+                self.geoms.ground(element)
             for element in section.all("model"):
                 file = element.given.get("file", "")
                 name = element.given.get("name", file.rpartition("/")[2].rpartition(".")[0])
@@ -173,15 +174,10 @@ class Bodies:
         named = self.prefix + given.given.get("name", "") in self.found.paired
         if masks == [0, 0] and not named:
             return
-        if "mesh" in given.given or (kind not in SIZES and kind != "plane"):
-            self.found.untouching.append(kind if "mesh" not in given.given else "mesh")
-            return
-        sizes, place = np.ones(1), at @ self.places.frame(given)
-        if kind != "plane":
-            sizes, place = self.geoms.sized(given, kind, at)
-        shape = shape_of(kind, sizes)
-        if shape is None:
-            self.found.untouching.append(kind)
+        try:
+            shape, place, source = self.geoms.touching(given, kind, at)
+        except ValueError as error:
+            self.found.untouching.append(str(error))
             return
         friction, resistance = resistance_of(self.reading, given, 1)
         unread = tuple(
@@ -189,7 +185,7 @@ class Bodies:
         )
         made = Collision(
             *(self.name(given, "geom"), shape, place, link, 1.0 if friction is None else friction),
-            *(resistance or Resistance(), masks[0], masks[1], unread),
+            *(resistance or Resistance(), masks[0], masks[1], unread, source),
         )
         self.found.collisions.setdefault(link, []).append(made)
 

@@ -42,7 +42,7 @@ class Collected:
     paired : set of str
         Names of geoms in ``<pair>`` elements, which touch without masks.
     untouching : list of str
-        Kinds of geoms that would touch, but cannot.
+        Geoms that would touch, but cannot, with the reason.
     """
 
     links: list[Link] = field(default_factory=list)

@@ -11,7 +11,10 @@ from jousto.base.arrays import Array, skew
 from jousto.base.errors import InputError
 from jousto.base.rotations import turn_onto
 from jousto.mechanism.bodies.shapes import Solid, closed_surface
+from jousto.mechanism.contacts.shapes import HalfSpace, Shape
+from jousto.mechanism.contacts.surfaces import HeightField
 from jousto.robots.description import Frame
+from jousto.robots.readers.collisions import MeshHull, mesh_hull, shape_of
 from jousto.robots.readers.meshes import Folders, solid_of
 from jousto.robots.readers.mjcf_settings import Places
 from jousto.robots.readers.shells import (
@@ -32,6 +35,7 @@ from jousto.robots.readers.xml import Element
 SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 LINES = ("capsule", "cylinder", "box", "ellipsoid")
 LEAST = 1e-14  # smallest mass of a geom, kg (mjEPS of MuJoCo); lighter ones have none
+MOST_ROWS = 10_000  # largest number of rows or columns of a height field
 SAME = 1e-2  # relative difference of volumes below which there is no warning
 
 
@@ -52,25 +56,31 @@ class Asset:
     Parameters
     ----------
     load : callable
-        Function that returns the triangles (nt, 3, 3), m, or None, and the reason for None.
+        Function that returns the triangles (nt, 3, 3), m, or None, points (np, 3) that may be
+        corners of no triangle, and the reason for None.
     kind : str
         Rule for its mass: "convex", "exact", "legacy" or "shell".
     where : Element
         Element of the asset.
+    most : int
+        Largest number of vertices of its hull; 0: any.
     """
 
-    load: Callable[[], tuple[Array | None, str]]
+    load: Callable[[], tuple[Array | None, Array | None, str]]
     kind: str
     where: Element
+    most: int = 0
     triangles: Array | None = None
+    points: Array | None = None
     why: str = ""
     loaded: bool = False
     solid: Solid | None = None
+    hull: MeshHull | None = None
 
     def surface(self) -> Array | None:
         """Return the triangles (nt, 3, 3), m, or None."""
         if not self.loaded:
-            self.triangles, self.why = self.load()
+            self.triangles, self.points, self.why = self.load()
             self.loaded = True
         return self.triangles
 
@@ -92,6 +102,7 @@ class Geoms:
         self.places, self.reading, self.folders = places, places.reading, folders
         self.draw = draw
         self.meshes: dict[str, Asset] = {}
+        self.grounds: dict[str, Element] = {}
 
     def asset(self, element: Element) -> None:
         """Add a mesh to the assets; its file is read at its first use."""
@@ -103,18 +114,31 @@ class Geoms:
             known = ", ".join(MESH_MASSES)
             self.reading.add(element, f"inertia is {kind!r}, must be one of {known}")
             kind = LEGACY
-        self.meshes[name] = Asset(lambda: self.load(given, file), kind, element)
+        most = max(int(self.reading.number(given, "maxhullvert", -1.0)), 0)
+        self.meshes[name] = Asset(lambda: self.load(given, file), kind, element, most)
 
-    def load(self, given: Element, file: str) -> tuple[Array | None, str]:
-        """Return the triangles of a mesh in the frame of its geoms, or None and the reason."""
+    def ground(self, element: Element) -> None:
+        """Add a height field to the assets."""
+        file = element.given.get("file", "")
+        name = element.given.get("name", file.rpartition("/")[2].rpartition(".")[0])
+        self.grounds[name] = element
+
+    def load(self, given: Element, file: str) -> tuple[Array | None, Array | None, str]:
+        """Return triangles and points of a mesh in the frame of its geoms, or None and the reason.
+
+        The frame of a geom is that of the mesh as its file has it, after ``refpos``, ``refquat``
+        and ``scale``: MuJoCo moves the mesh to its inertia frame and the geom back.
+        """
         reading = self.reading
         scale = reading.vector(given, "scale", (1.0, 1.0, 1.0))
         r = reading.vector(given, "refpos", (0.0, 0.0, 0.0))
         A = np.eye(3)
         if "refquat" in given.given:
             A = self.places.quaternion(given, "refquat")
+        points = None
         if "vertex" in given.given:
             found, why = self.inline(given)
+            points = self.reading.list(given, "vertex")
         elif not file:
             found, why = None, "it names no file"
         else:
@@ -122,9 +146,10 @@ class Geoms:
             name = file.replace("\\", "/").rpartition("/")[2] if strip else file
             found, why = self.folders.surface(name)
         if found is None:
-            return None, why
+            return None, None, why
         found = (found - r) @ A * scale
-        return (found[:, ::-1] if np.prod(scale) < 0.0 else found), ""
+        points = None if points is None else (points.reshape(-1, 3) - r) @ A * scale
+        return (found[:, ::-1] if np.prod(scale) < 0.0 else found), points, ""
 
     def inline(self, given: Element) -> tuple[Array | None, str]:
         """Return the triangles of a mesh defined in the MJCF file, or None and the reason."""
@@ -223,6 +248,89 @@ class Geoms:
         place = Frame(0.5 * (ends[:3] + ends[3:]), turn_onto(np.eye(3), axis))
         return _lengths(kind, half), at @ place
 
+    def touching(self, element: Element, kind: str, at: Frame) -> tuple[Shape, Frame, str]:
+        """Return the shape of a geom that touches others, its pose, and what it was in the file.
+
+        Raises
+        ------
+        ValueError
+            With the kind of a geom that cannot touch, and the reason.
+        """
+        if kind == "plane":
+            return HalfSpace(), at @ self.places.frame(element), ""
+        if kind == "hfield":
+            made = self.heights(element.given.get("hfield", ""))
+            return made, at @ self.places.frame(element), ""
+        if "mesh" in element.given and kind in (*SIZES, "mesh"):
+            return self.touching_mesh(element, kind, at @ self.places.frame(element))
+        if kind not in SIZES:
+            raise ValueError(kind)
+        sizes, place = self.sized(element, kind, at)
+        shape = shape_of(kind, sizes)
+        if shape is None:
+            raise ValueError(f"{kind} without a size")
+        return shape, place, ""
+
+    def touching_mesh(self, element: Element, kind: str, place: Frame) -> tuple[Shape, Frame, str]:
+        """Return the hull of a mesh, or the shape fitted to it, see `touching`."""
+        name = element.given["mesh"]
+        asset = self.meshes.get(name)
+        triangles = None if asset is None else asset.surface()
+        if asset is None or triangles is None:
+            why = "is not among the assets" if asset is None else asset.why or "is not read"
+            raise ValueError(f"mesh {name!r}: {why}")
+        if kind == "mesh":
+            if asset.hull is None:
+                try:
+                    asset.hull = mesh_hull(name, triangles, asset.points, asset.most)
+                except ValueError as error:
+                    raise ValueError(f"mesh {name!r}: {error}") from None
+            return asset.hull.shape, place, asset.hull.text
+        solid = asset.solid or {LEGACY: pyramid_mass, HULL: hull_mass, SHELL: surface_mass}.get(
+            asset.kind, pyramid_mass
+        )(triangles)
+        sizes, inner = self.fitted_sizes(element, kind, solid)
+        shape = shape_of(kind, sizes) if np.isfinite(sizes).all() else None
+        if shape is None:
+            raise ValueError(f"{kind} fitted to the mesh {name!r}, which has no volume")
+        return shape, place @ inner, f"{kind} fitted to the mesh {name!r}"
+
+    def heights(self, name: str) -> HeightField:
+        """Return the height field of an asset.
+
+        Heights are scaled to 0 to ``size[2]``, as in MuJoCo; the first row of ``elevation`` is that
+        of the largest y.
+
+        Raises
+        ------
+        ValueError
+            With the reason if it is not read.
+        """
+        element = self.grounds.get(name)
+        if element is None:
+            raise ValueError(f"hfield {name!r}: is not among the assets")
+        size = self.reading.numbers(element, element.given.get("size"), "size", 4, None)
+        if not (size > 0.0).all():
+            raise ValueError(f"hfield {name!r}: size must be four positive numbers")
+        if file := element.given.get("file", ""):
+            rows = self.folders.heights(file)
+        else:
+            shape = [int(self.reading.number(element, key, 0.0)) for key in ("nrow", "ncol")]
+            if not all(2 <= n <= MOST_ROWS for n in shape):
+                raise ValueError(f"hfield {name!r}: nrow and ncol must be 2 to {MOST_ROWS}")
+            rows = np.zeros(shape)
+            if "elevation" in element.given:
+                found = self.reading.list(element, "elevation")
+                if found is None or len(found) != rows.size:
+                    raise ValueError(f"hfield {name!r}: elevation must be {rows.size} numbers")
+                rows = found.reshape(shape)[::-1]
+        low, high = float(rows.min()), float(rows.max())
+        share = (rows - low) / (high - low) if high > low else np.zeros_like(rows)
+        try:
+            return HeightField(size[2] * share.T, *(2.0 * size[:2]), base=float(size[3]))
+        except InputError as error:
+            raise ValueError(f"hfield {name!r}: {error.problems[0].message}") from None
+
     def mesh(
         self, element: Element, kind: str, place: Frame, weighed: bool
     ) -> tuple[Solid | None, Frame]:
@@ -298,6 +406,14 @@ class Geoms:
         self, element: Element, kind: str, solid: Solid, place: Frame
     ) -> tuple[Solid | None, Frame]:
         """Return a solid fitted to the inertia or to the bounding box of a mesh, and its pose."""
+        sizes, inner = self.fitted_sizes(element, kind, solid)
+        made = solid_of(self.reading, element, kind, sizes)
+        if made is not None and element.given.get("shellinertia") == "true":
+            made = shell_of(kind, sizes, made)
+        return made, place @ inner
+
+    def fitted_sizes(self, element: Element, kind: str, solid: Solid) -> tuple[Array, Frame]:
+        """Return the sizes of a solid fitted to a mesh, and its pose in the frame of the mesh."""
         half, A = inertia_box(solid)
         center = solid.center
         if self.places.settings.fit_box:
@@ -315,11 +431,7 @@ class Geoms:
             "cylinder": np.array([wide, half[2]]),
         }.get(kind, half)
         lengths = lengths * self.reading.number(element, "fitscale", 1.0)
-        sizes = _lengths(kind, lengths)
-        made = solid_of(self.reading, element, kind, sizes)
-        if made is not None and element.given.get("shellinertia") == "true":
-            made = shell_of(kind, sizes, made)
-        return made, place @ Frame(center, A)
+        return _lengths(kind, lengths), Frame(center, A)
 
     def total(self, parts: Sequence[Geom]) -> tuple[float, Array, Array]:
         """Return mass, centre of mass and inertia about it of several geoms."""

@@ -110,11 +110,11 @@ TAGS: dict[str, Tag] = {
     "mujoco/deformable": Tag(),
     "*/include": Tag(done="file"),
     "asset/mesh": Tag(
-        done="name class file vertex face scale inertia refpos refquat",
-        quiet="content_type normal texcoord smoothnormal maxhullvert material params",
+        done="name class file vertex face scale inertia refpos refquat maxhullvert",
+        quiet="content_type normal texcoord smoothnormal material params",
         words={"builtin plugin": warned("the mesh is not created, its shapes are left out")},
     ),
-    "asset/hfield": QUIET_TAG,
+    "asset/hfield": Tag(done="name file nrow ncol elevation size", quiet="content_type"),
     "asset/skin": QUIET_TAG,
     "asset/texture": QUIET_TAG,
     "asset/material": QUIET_TAG,
@@ -145,8 +145,9 @@ TAGS: dict[str, Tag] = {
         done="name", quiet="group", words={"align": warned(FRAME, "false", "auto")}
     ),
     "body/geom": Tag(
-        done=f"name class type size mass density shellinertia fromto mesh group fitscale {POSE}",
-        quiet="hfield material rgba castshadow user fluidshape fluidcoef",
+        done="name class type size mass density shellinertia fromto mesh hfield group fitscale "
+        f"{POSE}",
+        quiet="material rgba castshadow user fluidshape fluidcoef",
         words=_touch | {"plugin": refused("makes a shape that is not read; export it as a mesh")},
     ),
     "body/site": Tag(

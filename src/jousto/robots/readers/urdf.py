@@ -15,7 +15,7 @@ from jousto.base.arrays import Array
 from jousto.base.rotations import rotation_matrix
 from jousto.robots.description import Collision, Frame, Link, Mimic, Robot, RobotJoint
 from jousto.robots.readers import checks
-from jousto.robots.readers.collisions import KINDS, shape_of
+from jousto.robots.readers.collisions import shape_of
 from jousto.robots.readers.meshes import Folders, solid_of
 from jousto.robots.readers.urdf_words import URDF
 from jousto.robots.readers.words import check_words
@@ -62,7 +62,7 @@ def read_urdf(
         Whether a physically impossible inertia is replaced by the nearest possible one, with a
         warning, instead of an error.
     meshes : bool
-        Whether meshes are read for pictures.
+        Whether meshes are read for pictures; those that touch always are.
 
     Returns
     -------
@@ -89,7 +89,11 @@ def read_urdf(
         reading.finish()
     check_words(reading, root, URDF)
     folders = Folders(path, packages)
-    links = [read_link(reading, folders, element, draw=meshes) for element in root.all("link")]
+    untouching: list[str] = []
+    links = [
+        read_link(reading, folders, element, untouching, draw=meshes)
+        for element in root.all("link")
+    ]
     joints = [read_joint(reading, element) for element in root.all("joint")]
     for element in root.children:
         if element.tag.startswith("xacro:"):
@@ -98,13 +102,13 @@ def read_urdf(
     made = checks.robot(
         reading, name, links, joints, fixed_base=fixed_base, merge=merge, repair=repair
     )
-    solids = (x for link in root.all("link") for x in link.all("collision"))
-    kinds = {shape.tag for one in solids for x in one.all("geometry") for shape in x.children}
-    return replace(made, untouching=tuple(sorted(kinds - KINDS)))
+    return replace(made, untouching=tuple(sorted(set(untouching))))
 
 
-def read_link(reading: Reading, folders: Folders, element: Element, *, draw: bool) -> Link:
-    """Return a link with mass and shapes."""
+def read_link(
+    reading: Reading, folders: Folders, element: Element, untouching: list[str], *, draw: bool
+) -> Link:
+    """Return a link with mass and shapes; shapes that cannot touch are added to `untouching`."""
     where = reading.where(element)
     name = element.given.get("name", "")
     shapes = []
@@ -112,8 +116,13 @@ def read_link(reading: Reading, folders: Folders, element: Element, *, draw: boo
         shape = read_visual(reading, folders, visual, draw=draw)
         if shape is not None:
             shapes.append(shape)
-    touching = [read_collision(reading, found, name) for found in element.all("collision")]
-    collisions = numbered(name, [one for one in touching if one is not None])
+    touching: list[Collision] = []
+    for solid in element.all("collision"):
+        try:
+            touching += read_collision(reading, folders, solid, name)
+        except ValueError as error:
+            untouching.append(str(error))
+    collisions = numbered(name, touching)
     inertial = element.first("inertial")
     if inertial is None:
         return Link(name, shapes=tuple(shapes), where=where, collisions=collisions)
@@ -213,12 +222,24 @@ def read_visual(reading: Reading, folders: Folders, visual: Element, *, draw: bo
     return None if solid is None else at.r + solid.triangles @ at.A.T
 
 
-def read_collision(reading: Reading, element: Element, link: str) -> Collision | None:
-    """Return the shape of a ``<collision>``; None for a mesh, or without geometry."""
+def read_collision(
+    reading: Reading, folders: Folders, element: Element, link: str
+) -> list[Collision]:
+    """Return the shape of a ``<collision>``, of a mesh its hull; none without geometry.
+
+    Raises
+    ------
+    ValueError
+        With the kind of a shape that cannot touch, and the reason.
+    """
     geometry = element.first("geometry")
     if geometry is None or not geometry.children:
-        return None
-    shape = geometry.children[0]
+        return []
+    shape, at = geometry.children[0], read_origin(reading, element)
+    if shape.tag == "mesh":
+        scale = reading.vector(shape, "scale", (1.0, 1.0, 1.0))
+        hull = folders.hull(shape.given.get("filename", ""), scale)
+        return [Collision(link, hull.shape, at, link, source=hull.text, added=hull.added)]
     keys = {"cylinder": ("radius", "length"), "capsule": ("radius", "length")}
     if shape.tag == "box":
         sizes = reading.vector(shape, "size", None)
@@ -226,9 +247,11 @@ def read_collision(reading: Reading, element: Element, link: str) -> Collision |
         wanted = keys.get(shape.tag, ("radius",))
         sizes = np.array([reading.number(shape, key) for key in wanted])
     else:
-        return None
-    found = shape_of(shape.tag, sizes)
-    return None if found is None else Collision(link, found, read_origin(reading, element), link)
+        raise ValueError(shape.tag)
+    made = shape_of(shape.tag, sizes)
+    if made is None:
+        raise ValueError(f"{shape.tag} without a size")
+    return [Collision(link, made, at, link)]
 
 
 def numbered(link: str, collisions: list[Collision]) -> tuple[Collision, ...]:
