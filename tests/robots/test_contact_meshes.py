@@ -248,3 +248,53 @@ def test_hulls_that_are_too_fine_become_coarser_and_say_so():
     assert len(vertices) == 500
     assert "of 3000 vertices, the others up to 0.01" in made.text
     assert np.linalg.norm(vertices, axis=1) == pytest.approx(1.0)
+
+
+SDF = """<sdf version="1.9"><model name="m"><self_collide>{own}</self_collide><link name="a">
+<inertial><mass>1</mass></inertial>
+<collision name="ball"><pose>.1 .2 .3 0 0 0</pose><geometry><sphere><radius>.1</radius></sphere>
+</geometry><surface><friction><ode><mu>.4</mu><mu2>.4</mu2></ode></friction></surface></collision>
+<collision name="wall"><geometry><plane><normal>1 0 0</normal></plane></geometry>
+<surface><bounce/></surface></collision>
+<collision name="part"><pose>0 0 0 0 0 1.570796326794897</pose><geometry>
+<mesh><uri>model://parts/a.stl</uri><scale>2 1 1</scale></mesh></geometry></collision>
+<collision name="cone"><geometry><cone><radius>1</radius></cone></geometry></collision>
+</link><link name="b"><pose>0 0 -.3 0 0 0</pose><inertial><mass>1</mass></inertial>
+<collision name="box"><geometry><box><size>1 1 .1</size></box></geometry></collision>
+</link></model></sdf>"""
+
+
+def test_collisions_of_sdf(tmp_path):
+    """The mesh is that of the STL file, twice as long and turned; friction, what is not read."""
+    stl(tmp_path / "a.stl")
+    path = write(tmp_path, SDF.format(own="true"), "m.sdf")
+    with pytest.warns(jo.JoustoWarning, match="contact is off"):
+        robot = jo.robots.read_sdf(path, packages={"parts": tmp_path}, fixed_base=False)
+    found = {one.name: one for link in robot.links for one in link.collisions}
+    assert list(found) == ["a ball", "a wall", "a part", "b box"]
+    ball, wall, part = (found[f"a {x}"] for x in ("ball", "wall", "part"))
+    assert ball.frame.r == pytest.approx([0.1, 0.2, 0.3])
+    assert (ball.friction, ball.unread, wall.unread) == (0.4, (), ("bounce",))
+    assert wall.frame.A @ [0, 0, 1] == pytest.approx([1, 0, 0])
+    corners = part.shape.polytope.vertices @ part.frame.A.T
+    wanted = CORNERS[:, [1, 0, 2]] * [-1, 2, 1]
+    for x in wanted:
+        assert np.abs(corners - x).max(axis=1).min() < 1e-7
+    assert robot.untouching == ("cone",)
+    with pytest.warns(jo.JoustoWarning) as said:
+        machine = mechanism(robot, contact=True)
+    text = "\n".join(str(one.message) for one in said)
+    assert "these shapes of the file touch nothing: cone" in text
+    assert "bounce of the file are not read" in text
+    # of the ball, the part and the plane of a, and the box of b, the plane cuts the box
+    model = jo.compile(machine)
+    assert "b box" in str(jo.doctor(model).overlaps)
+
+
+@pytest.mark.filterwarnings("ignore:.*not read", "ignore:.*touch nothing", "ignore:.*pass through")
+def test_links_of_sdf_do_not_touch_unless_they_say_so(tmp_path):
+    stl(tmp_path / "a.stl")
+    path = write(tmp_path, SDF.format(own="false"), "m.sdf")
+    robot = jo.robots.read_sdf(path, packages={"parts": tmp_path}, fixed_base=False)
+    with pytest.warns(jo.JoustoWarning, match="no two shapes that touch"):
+        assert not [one for one in mechanism(robot, contact=True).forces if "contacts" in one.name]

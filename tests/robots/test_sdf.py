@@ -269,7 +269,7 @@ def test_every_word_of_a_format_is_done_or_reported(words: Format) -> None:
         ("<spaceship/>", "<spaceship> is ignored"),
         (
             "<collision/></link><link name='b'><collision/>",
-            "<collision>: contact is not modelled: links that touch pass through each other",
+            "<collision>: contact is off: links that touch pass through each other",
         ),
     ],
 )

@@ -31,7 +31,7 @@ def robot_contacts(
     weight: float,
     name: str = "contacts",
 ) -> list[Contacts | Contact]:
-    """Return the contacts of a robot with itself and the world; none without two shapes.
+    """Return the contacts of a robot with itself and the world; none without two that may touch.
 
     The stiffness is that of a depth under the weight of `DEPTH` of the smallest shape. Friction and
     the lengths of the resistance to rolling and drilling are the larger ones of both shapes, and
@@ -80,7 +80,11 @@ def robot_contacts(
         for a, b in combinations(surfaces, 2)
     ]
     single = paired(robot, {one.name: one for one in shapes}, law)
-    apart = [*excluded_groups([one for _, one in found]), *excluded_links(robot, found)]
+    between_groups = excluded_groups([one for _, one in found])
+    groups = len({one.group for one in shapes})
+    if len(between_groups) == groups * (groups + 1) // 2:
+        return [*single]
+    apart = [*between_groups, *excluded_links(robot, found)]
     apart += [Apart(pair.a, pair.b) for pair in robot.pairs if {pair.a, pair.b} <= known(found)]
     whole = Contacts(name, shapes, law=law, pairs=pairs, apart=apart, overlap="start")
     return [whole, *single]

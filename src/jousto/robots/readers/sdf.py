@@ -12,9 +12,11 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.rotations import rotation_matrix
-from jousto.robots.description import Frame, Link, Mimic, Robot, RobotJoint
+from jousto.base.rotations import rotation_matrix, turn_onto
+from jousto.mechanism.contacts.shapes import HalfSpace
+from jousto.robots.description import Collision, Frame, Link, Mimic, Robot, RobotJoint
 from jousto.robots.readers import checks
+from jousto.robots.readers.collisions import shape_of
 from jousto.robots.readers.meshes import Folders, solid_of
 from jousto.robots.readers.sdf_nested import flatten_model
 from jousto.robots.readers.sdf_words import CONTACT, SDF
@@ -107,7 +109,11 @@ def read_sdf(
         weight = _numbers(reading, gravity, 3, weight)
 
     def complete(made: Robot) -> Robot:
-        return replace(checks.with_loops(made, reader.loops), gravity=weight)
+        return replace(
+            checks.with_loops(made, reader.loops),
+            gravity=weight,
+            untouching=tuple(sorted(set(reader.untouching))),
+        )
 
     return checks.robot(
         reading,
@@ -131,6 +137,7 @@ class _Reader:
         model = flatten_model(model, self.old)
         self.reading, self.model, self.folders, self.draw = reading, model, folders, draw
         self.loops: list[RobotJoint] = []
+        self.untouching: list[str] = []
         self.named: dict[str, Element] = {}
         self.placed: dict[str, Frame] = {"__model__": Frame()}
         touching = [one for one in model.all("link") if one.first("collision") is not None]
@@ -262,7 +269,8 @@ class _Reader:
         # <gravity>false</gravity>: full gravity compensation of the link
         weightless = _text(element, "gravity") in ("false", "0") and mass != 0.0
         lifts = ((mass, at.r),) if weightless else ()
-        return Link(name, mass, at.r, inertia, tuple(shapes), frames, where, lifts)
+        touching = self.collisions(element)
+        return Link(name, mass, at.r, inertia, tuple(shapes), frames, where, lifts, touching)
 
     def visual(self, visual: Element) -> Array | None:
         """Return the triangles (nt, 3, 3), m, of a ``<visual>`` in the link frame, or None."""
@@ -273,21 +281,97 @@ class _Reader:
         if shape.tag == "mesh" and not self.draw:
             return None
         if shape.tag == "mesh":
-            scale = shape.first("scale")
-            factors = np.ones(3) if scale is None else _numbers(self.reading, scale, 3, np.ones(3))
-            found = self.folders.mesh(self.reading, shape, _text(shape, "uri"), factors)
+            found = self.folders.mesh(self.reading, shape, _text(shape, "uri"), self.scale(shape))
             return None if found is None else at.r + found @ at.A.T
-        keys = {"sphere": ("radius",), "cylinder": ("radius", "length")}
-        keys["capsule"] = keys["cylinder"]
-        if shape.tag in keys:
-            sizes = np.array([self.value(shape, key, 0.0) for key in keys[shape.tag]])
-        elif shape.tag in ("box", "ellipsoid"):
-            inner = shape.first("size" if shape.tag == "box" else "radii")
-            sizes = np.zeros(3) if inner is None else _numbers(self.reading, inner, 3, np.zeros(3))
-        else:
+        sizes = self.sizes(shape)
+        if sizes is None:
             return None
         solid = solid_of(self.reading, shape, shape.tag, sizes)
         return None if solid is None else at.r + solid.triangles @ at.A.T
+
+    def sizes(self, shape: Element) -> Array | None:
+        """Return the sizes of a shape for `solid_of`; None for another kind."""
+        keys = {"sphere": ("radius",), "cylinder": ("radius", "length")}
+        keys["capsule"] = keys["cylinder"]
+        if shape.tag in keys:
+            return np.array([self.value(shape, key, 0.0) for key in keys[shape.tag]])
+        if shape.tag not in ("box", "ellipsoid"):
+            return None
+        inner = shape.first("size" if shape.tag == "box" else "radii")
+        return np.zeros(3) if inner is None else _numbers(self.reading, inner, 3, np.zeros(3))
+
+    def scale(self, shape: Element) -> Array:
+        """Return the three factors of a mesh."""
+        scale = shape.first("scale")
+        return np.ones(3) if scale is None else _numbers(self.reading, scale, 3, np.ones(3))
+
+    def collisions(self, element: Element) -> tuple[Collision, ...]:
+        """Return the shapes of a link that touch others; list those that cannot."""
+        link, found = element.given.get("name", ""), []
+        own = _text(element, "self_collide") or _text(self.model, "self_collide")
+        for solid in element.all("collision"):
+            geometry = solid.first("geometry")
+            if geometry is None or not geometry.children or geometry.first("empty") is not None:
+                continue
+            name = solid.given.get("name", "collision")
+            try:
+                made = self.collision(geometry.children[0], self.pose(solid, Frame()))
+            except ValueError as error:
+                self.untouching.append(str(error))
+                continue
+            friction, unread = self.friction(solid)
+            made = replace(made, name=f"{link} {name}", body=link, friction=friction, unread=unread)
+            # links of a model touch if one of both asks for it
+            found.append(replace(made, affinity=int(own in ("true", "1"))))
+        return tuple(found)
+
+    def collision(self, shape: Element, at: Frame) -> Collision:
+        """Return a shape that touches others, without name.
+
+        Raises
+        ------
+        ValueError
+            With the kind of a shape that cannot touch, and the reason.
+        """
+        if shape.tag == "plane":
+            normal = shape.first("normal")
+            up = np.array([0.0, 0.0, 1.0])
+            n = up if normal is None else _numbers(self.reading, normal, 3, up)
+            if not np.linalg.norm(n) > 0.0:
+                raise ValueError("plane without a normal")
+            return Collision("", HalfSpace(), at @ Frame(np.zeros(3), turn_onto(np.eye(3), n)))
+        if shape.tag == "mesh":
+            if shape.first("submesh") is not None:
+                raise ValueError(
+                    f"submesh of {_text(shape, 'uri')!r}; put it into a file of its own"
+                )
+            hull = self.folders.hull(_text(shape, "uri"), self.scale(shape))
+            return Collision("", hull.shape, at, source=hull.text, added=hull.added)
+        sizes = self.sizes(shape)
+        made = None if sizes is None else shape_of(shape.tag, sizes)
+        if made is None:
+            raise ValueError(shape.tag if sizes is None else f"{shape.tag} without a size")
+        return Collision("", made, at)
+
+    def friction(self, solid: Element) -> tuple[float, tuple[str, ...]]:
+        """Return the coefficient of friction of a shape, and the words on its surface not read."""
+        mu, unread = 1.0, []  # the default of the format
+        for surface in solid.all("surface"):
+            unread += [one.tag for one in surface.children if one.tag != "friction"]
+            for friction in surface.all("friction"):
+                unread += [one.tag for one in friction.children if one.tag != "ode"]
+                for ode in friction.all("ode"):
+                    mu = self.value(ode, "mu", 1.0)
+                    if mu < 0.0:
+                        self.reading.add(ode, f"mu is {mu:g}, must not be negative")
+                        mu = 0.0
+                    unread += [
+                        one.tag
+                        for one in ode.children
+                        if one.tag != "mu"
+                        and not (one.tag == "mu2" and self.value(ode, "mu2", 1.0) == mu)
+                    ]
+        return mu, tuple(dict.fromkeys(unread))
 
     def value(self, element: Element, tag: str, spare: float) -> float:
         """Return the number in a child element, or a default."""

@@ -10,14 +10,18 @@ PUSH = "forces of plugins are left out"
 WIND = "wind and the forces of fluids are left out: links move as in a vacuum"
 SOFT = "the softness of limits is not read: they are stops"
 STATE = "is not read: joints start at zero, or at the value of at="
-CONTACT = "contact is not modelled: links that touch pass through each other"
+CONTACT = (
+    "contact is off: links that touch pass through each other; contact=True of robots.mechanism "
+    "turns it on"
+)
+ONE_LAW = "one law for all shapes"
 _off = ("false", "0")
 _angles = Tag(done="degrees rotation_format relative_to")
 _plugin = Tag(whole=warned(PUSH))
 _axis = Tag(done="initial_position use_parent_model_frame")
 _model = Tag(
-    done="name static",
-    quiet="self_collide allow_auto_disable canonical_link namespace",
+    done="name static self_collide",
+    quiet="allow_auto_disable canonical_link namespace",
     words={
         "placement_frame": warned("the pose counts from the frame of the model", ""),
         "enable_wind": warned(WIND, *_off),
@@ -44,8 +48,8 @@ TAGS = {
     "world/plugin": _plugin,
     "world/frame": QUIET_TAG,
     "model/link": Tag(
-        done="name gravity",
-        quiet="self_collide must_be_base_link light",
+        done="name gravity self_collide",
+        quiet="must_be_base_link light",
         words={
             "enable_wind": warned(WIND, *_off),
             "kinematic": warned("it moves by its forces here", *_off),
@@ -79,10 +83,19 @@ TAGS = {
         words={"linear angular": warned("the decay of velocities is left out", "0")}
     ),
     "link/visual": Tag(done="name", quiet="cast_shadows laser_retro transparency visibility_flags"),
-    "link/collision": Tag(whole=warned(CONTACT, silent=True)),
-    "visual/geometry": Tag(quiet="empty cone heightmap image plane polyline"),
+    "link/collision": Tag(
+        done="name", quiet="laser_retro max_contacts density auto_inertia_params"
+    ),
+    "collision/geometry": Tag(
+        words={"empty cone heightmap image polyline": warned("touches nothing", silent=True)}
+    ),
+    "collision/surface": Tag(words={"bounce contact soft_contact": warned(ONE_LAW, silent=True)}),
+    "surface/friction": Tag(words={"torsional bullet": warned(ONE_LAW, silent=True)}),
+    "friction/ode": Tag(done="mu", words={"mu2 fdir1 slip1 slip2": warned(ONE_LAW, silent=True)}),
+    "visual/geometry": Tag(quiet="empty cone heightmap image polyline"),
     "visual/plugin": QUIET_TAG,
     "visual/meta": QUIET_TAG,
+    "geometry/plane": Tag(done="normal", quiet="size"),
     "geometry/box": Tag(done="size"),
     "geometry/capsule": Tag(done="radius length"),
     "geometry/cylinder": Tag(done="radius length"),
