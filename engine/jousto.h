@@ -40,6 +40,7 @@ typedef double jo_real;
  * contact: a sphere on b, centre in frame b, touches a shape of a, see force_contact.c and jo_shape_type; six states from jo_force.state on,
  *   nine with resistance to rolling and drilling, see contact_turn.c
  *   around > 0: a point of the rim of a cylinder with the radius `ring`, at the angle around - 1 from its lowest point
+ *   axes > 0: the lowest point of an ellipsoid with these half axes
  *   followed by the rows of a table (extent) if `curve` is JO_CURVE_TABLE, see contact_curve.c
  * contact_pair: two convex polytopes, see force_contact_pair.c; 8 states for each of up to 8 points
  * contact_set: shapes whose pairs are not known; its numbers are followed by the rows of contact_rows.h, its force by those of its slots
@@ -63,7 +64,7 @@ typedef double jo_real;
     ROW(modal_load, force[3], torque[3]) \
     ROW(user, none) \
     ROW(moving_load, count, modes, force[3]) \
-    ROW(contact, JO_CONTACT_LAW, JO_TOUCH_LAW, rolling, drilling, inertia, shape, size[3], centre[3], radius, ring, around) \
+    ROW(contact, JO_CONTACT_LAW, JO_TOUCH_LAW, rolling, drilling, inertia, shape, size[3], centre[3], radius, ring, around, axes[3]) \
     ROW(contact_set, shapes, tips, surfaces, groups, excluded, slots, pairs, resolve) \
     ROW(contact_slot, set, number) \
     ROW(pid, proportional, integral, derivative, weight, filter, filter_share, tracking, tracking_share, lower, upper, start, speed) \
@@ -106,7 +107,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 29 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 30 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */

@@ -96,7 +96,10 @@ static void bind(const jo_contact_rows *y, const jo_force *f, jo_bound *b)
     x->radius = tip->radius;
     x->ring = tip->ring;
     x->around = tip->around;
-    for (int i = 0; i < 3; i++) x->centre[i] = tip->centre[i];
+    for (int i = 0; i < 3; i++) {
+        x->centre[i] = tip->centre[i];
+        x->axes[i] = tip->axes[i];
+    }
 }
 
 const jo_force *jo_bound_force(const jo_data *d, const jo_force *f)
@@ -159,14 +162,21 @@ double jo_tip_gap(const jo_contact_rows *y, const jo_data *d, int on, int tip)
     const jo_tip_row *t = &y->tip[tip];
     const jo_marker_work *a = &d->marker[(int)JO_RE(y->shape[on].marker)];
     const jo_marker_work *b = &d->marker[(int)JO_RE(y->shape[(int)JO_RE(t->shape)].marker)];
-    jo_real place[3], sine = {0.0};
+    jo_real place[3], sine = {0.0}, below = {0.0};
     jo_mul3(place, b->A, t->centre);
     jo_add3(place, b->r);
     if (JO_RE(t->ring) > 0.0) {   /* above a half-space: its lowest point */
         const jo_real along = a->A[2] * b->A[2] + a->A[5] * b->A[5] + a->A[8] * b->A[8];
         sine = jo_sqrt(jo_larger(0.0, JO_RE(1.0 - along * along)));
     }
-    return jo_shape_gap(y, d, on, place) - JO_RE(t->radius + t->ring * sine);
+    if (JO_RE(t->axes[0]) > 0.0) {   /* the same of an ellipsoid */
+        for (int i = 0; i < 3; i++) {
+            const jo_real along = a->A[2] * b->A[i] + a->A[5] * b->A[3 + i] + a->A[8] * b->A[6 + i];
+            below += t->axes[i] * t->axes[i] * along * along;
+        }
+        below = jo_sqrt(below);
+    }
+    return jo_shape_gap(y, d, on, place) - JO_RE(t->radius + t->ring * sine + below);
 }
 
 double jo_polytope_gap(const jo_contact_rows *y, const jo_data *d, int on, int of, double most)

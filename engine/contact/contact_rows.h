@@ -10,7 +10,7 @@ enum { JO_SHAPE_TYPES = 11 };   /* types of jo_shape_type */
  * reach: distance from the marker to the farthest place, m, < 0 for a shape without end; curvature, 1/m, and largest inverse mass, 1/kg, of a
  * shape that is touched and of one with tips; angular: largest inverse moment of inertia, 1/(kg m^2); the tips of a shape follow one another; polytope: place of its numbers, see polytope.c */
 typedef struct { jo_real marker, type, size[3], reach, first, tips, curvature[2], mobility[2], angular, polytope, surface, group; } jo_shape_row;
-typedef struct { jo_real shape, centre[3], radius, ring, around; } jo_tip_row;
+typedef struct { jo_real shape, centre[3], radius, ring, around, axes[3]; } jo_tip_row;
 /* law of a pair of surfaces, as in jo_contact_data; hertz 1: the stiffness is divided by the root of the sum of both curvatures; span: the
  * duration is span (mass / stiffness)^(1 / (exponent + 1)) */
 typedef struct {

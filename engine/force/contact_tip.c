@@ -1,4 +1,4 @@
-/* contact_tip.c - where the sphere, or circle of spheres, of b touches a shape of a, and how this place changes. */
+/* contact_tip.c - where the sphere, circle of spheres, or ellipsoid of b touches a shape of a, and how this place changes. */
 #include "newton/newton.h"
 #include "contact/contact.h"
 #include "force/contact_tip.h"
@@ -57,16 +57,47 @@ static void lowest_change(const jo_contact_data *x, const jo_contact_tip *tip, c
     jo_axpy3(c, x->ring, out);
 }
 
+/* Vector from the centre of an ellipsoid with the half axes D to its lowest point over a half-space: p = -D^2 m / |D m|, m = R^T n. */
+static void support(const jo_contact_data *x, const jo_real *R, const jo_real *n, jo_contact_tip *tip)
+{
+    jo_real p[3], arm[3], square = jo_same(0.0);
+    for (int i = 0; i < 9; i++) tip->R[i] = R[i];
+    jo_mul3t(tip->up, R, n);
+    for (int i = 0; i < 3; i++) {
+        p[i] = -x->axes[i] * x->axes[i] * tip->up[i];
+        square -= p[i] * tip->up[i];
+    }
+    tip->below = jo_sqrt(square);
+    for (int i = 0; i < 3; i++) p[i] /= tip->below;
+    jo_mul3(arm, R, p);
+    jo_add3(tip->arm, arm);
+}
+
+/* change of R p with a rotation e, less e x R p: R dp, with dm = -R^T (e x n) */
+static void support_change(const jo_contact_data *x, const jo_contact_tip *tip, const jo_real *e, jo_real *c)
+{
+    jo_real t[3], dm[3], dp[3], out[3], along = jo_same(0.0);
+    jo_cross(t, tip->from.normal, e);
+    jo_mul3t(dm, tip->R, t);
+    for (int i = 0; i < 3; i++) along += x->axes[i] * x->axes[i] * tip->up[i] * dm[i];
+    along /= tip->below * tip->below;
+    for (int i = 0; i < 3; i++) dp[i] = x->axes[i] * x->axes[i] * (along * tip->up[i] - dm[i]) / tip->below;
+    jo_mul3(out, tip->R, dp);
+    jo_add3(c, out);
+}
+
+/* whether another point of b touches as b turns */
+static int is_moving(const jo_contact_data *x) { return JO_RE(x->ring) > 0.0 || JO_RE(x->axes[0]) > 0.0; }
+
 void jo_contact_place(const jo_data *d, const jo_force *f, jo_contact_tip *tip, jo_contact_point *y)
 {
     const jo_contact_data *x = (const jo_contact_data *)f->data;
     jo_real R[9], at[3];
     jo_relative_pose(d, f, at, R);
     jo_mul3(tip->arm, R, x->centre);
-    if (JO_RE(x->ring) > 0.0) {   /* its lowest point above a half-space */
-        static const jo_real up[3] = {0.0, 0.0, 1.0};
-        lowest(x, R, up, tip);
-    }
+    static const jo_real up[3] = {0.0, 0.0, 1.0};   /* of a half-space */
+    if (JO_RE(x->ring) > 0.0) lowest(x, R, up, tip);
+    if (JO_RE(x->axes[0]) > 0.0) support(x, R, up, tip);
     jo_add3(at, tip->arm);
     jo_shape_distance((int)JO_COMMON(x->shape), x->size, at, &tip->from);
     jo_set3(y->normal, tip->from.normal);
@@ -94,6 +125,7 @@ jo_contact_change jo_contact_tip_change(const jo_contact_data *x, const jo_conta
             jo_cross(centre, e, fixed);
             lowest_change(x, tip, e, centre);
         }
+        if (k >= 3 && JO_RE(x->axes[0]) > 0.0) support_change(x, tip, e, centre);
         c.depth = -jo_dot3(y->normal, centre);
         jo_mul3(c.normal, tip->from.hessian, centre);
         if (k >= 3) jo_set3(c.lever, centre);
@@ -110,7 +142,7 @@ static double curvature_over(const jo_contact_data *x, const jo_real *normal, in
     const double r = JO_RE(x->size[0]);
     const int shape = (int)JO_COMMON(x->shape);
     *face = 0;
-    if (shape == JO_SHAPE_HALF_SPACE) return JO_RE(x->ring) > 0.0 ? INFINITY : 0.0;
+    if (shape == JO_SHAPE_HALF_SPACE) return is_moving(x) ? INFINITY : 0.0;
     if (shape == JO_SHAPE_ELLIPSOID) {   /* of the end of its longest axis, across the shortest */
         const double p = JO_RE(x->size[1]), q = JO_RE(x->size[2]), least = fmin(r, fmin(p, q));
         return fmax(r, fmax(p, q)) / (least * least);
@@ -134,7 +166,7 @@ static int is_convex(const jo_contact_data *x)
     case JO_SHAPE_CAPSULE:
     case JO_SHAPE_BOX:
     case JO_SHAPE_CYLINDER:
-    case JO_SHAPE_ELLIPSOID: return !(JO_RE(x->ring) > 0.0);
+    case JO_SHAPE_ELLIPSOID: return !is_moving(x);
     default: return 0;
     }
 }
@@ -150,6 +182,20 @@ void jo_contact_tip_velocity(const jo_contact_tip *tip, const jo_contact_point *
     jo_sub3(v, turn);
 }
 
+/* The lowest point of an ellipsoid moves on it by at most its largest radius of curvature, times the angle by which it turns, so that the rate of
+ * the gap changes by that times w^2 h beside what the acceleration changes. Returned is the curvature 1/m for which v^2 h gives twice that. */
+static double curvature_of_support(const jo_contact_data *x, const jo_approach *to, const jo_contact_point *y)
+{
+    double longest = 0.0, least = INFINITY, v = 0.0, w = 0.0;
+    for (int i = 0; i < 3; i++) {
+        longest = fmax(longest, JO_RE(x->axes[i]));
+        least = fmin(least, JO_RE(x->axes[i]));
+        v += to->v[i] * to->v[i];
+        w += JO_RE(y->w[i]) * JO_RE(y->w[i]);
+    }
+    return v > 0.0 ? 2.0 * longest * longest / least * w / v : INFINITY;
+}
+
 /* the centre of the sphere in frame a; of a ring its lowest point, which moves on the ring no faster than the ring turns */
 void jo_contact_tip_approach(const jo_contact_data *x, const jo_contact_tip *tip, const jo_contact_point *y, jo_approach *to)
 {
@@ -160,4 +206,5 @@ void jo_contact_tip_approach(const jo_contact_data *x, const jo_contact_tip *tip
     for (int i = 0; i < 3; i++) to->v[i] = JO_RE(v[i]);
     to->convex = is_convex(x);
     to->curvature = curvature_over(x, y->normal, &to->face);
+    if (JO_RE(x->axes[0]) > 0.0) to->curvature = curvature_of_support(x, to, y);
 }

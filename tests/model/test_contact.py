@@ -43,6 +43,7 @@ PAIRS = [
     (HalfSpace(), Cuboid((0.3, 0.4, 0.5))),
     (HalfSpace(), Capsule(0.1, 0.4)),
     (HalfSpace(), Cylinder(0.2, 0.3)),
+    (HalfSpace(), Ellipsoid((0.3, 0.5, 0.8))),
 ]
 
 

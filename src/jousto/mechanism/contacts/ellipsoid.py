@@ -1,4 +1,4 @@
-"""Ellipsoid that spheres and points touch."""
+"""Ellipsoid that spheres and half-spaces touch."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from jousto.base.arrays import Array
 from jousto.base.fields import field
 from jousto.base.object_repr import described
 from jousto.mechanism.bodies.shapes import Lengths, sphere
-from jousto.mechanism.contacts.shapes import Shape
+from jousto.mechanism.contacts.shapes import Shape, Tip
 
 
 @described
@@ -22,6 +22,11 @@ class Ellipsoid(Shape, tag="ellipsoid"):
     def size(self) -> tuple[float, ...]:
         """Half the lengths."""
         return tuple(0.5 * x for x in self.lengths)
+
+    @property
+    def tips(self) -> tuple[Tip, ...]:
+        """Its lowest point over a half-space."""
+        return (Tip((0.0, 0.0, 0.0), 0.0, axes=self.size),)
 
     @property
     def reach(self) -> float:

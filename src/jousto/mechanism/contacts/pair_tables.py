@@ -21,7 +21,6 @@ from jousto.mechanism.contacts.shapes import (
     Cuboid,
     Cylinder,
     Shape,
-    Tip,
     Torus,
     reach,
     touching,
@@ -48,11 +47,6 @@ def inner_radius(shape: ConvexHull) -> float:
     return float((planes[:, 3] - planes[:, :3] @ shape.polytope.vertices.mean(axis=0)).min())
 
 
-def tip_reach(tip: Tip) -> float:
-    """Return the distance from the marker to the farthest place of a tip, m."""
-    return hypot(*tip.centre) + tip.radius + tip.ring
-
-
 def curvatures(shape: Shape) -> tuple[float, float]:
     """Return the mean curvatures of a shape that is touched, and of its tips, 1/m.
 
@@ -75,7 +69,7 @@ def curvatures(shape: Shape) -> tuple[float, float]:
         return mean, mean
     if isinstance(shape, Ellipsoid):  # of the sphere of equal volume
         a, b, c = shape.size
-        return (a * b * c) ** (-1.0 / 3.0), 0.0
+        return (a * b * c) ** (-1.0 / 3.0), (a * b * c) ** (-1.0 / 3.0)
     (radius, *_) = shape.size or (0.0,)
     if not radius:
         return 0.0, 0.0
@@ -193,12 +187,12 @@ def shape_rows(
     surfaces: Sequence[int],
     groups: Sequence[int],
 ) -> tuple[Array, Array]:
-    """Return rows of the shapes (ns, 16) and of their tips (nt, 7) as in the engine."""
+    """Return rows of the shapes (ns, 16) and of their tips (nt, 10) as in the engine."""
     rows = np.zeros((len(shapes), 16))
     tips: list[tuple[float, ...]] = []
     for i, one in enumerate(shapes):
         shape = one.shape
-        far = max((tip_reach(tip) for tip in shape.tips), default=0.0)
+        far = max((tip.reach for tip in shape.tips), default=0.0)
         size = (*shape.size, 0.0, 0.0, 0.0)[:3]
         rows[i] = (
             *(markers[i], type_of(shape), *size, reach(shape), len(tips), len(shape.tips)),
@@ -208,8 +202,11 @@ def shape_rows(
             angular_mobility(one.marker),
             *(polytopes[i], surfaces[i], groups[i]),
         )
-        tips += [(i, *tip.centre, tip.radius, tip.ring, tip.place) for tip in shape.tips]
-    return rows, np.array(tips, dtype=float).reshape(-1, 7)
+        tips += [
+            (i, *tip.centre, tip.radius, tip.ring, tip.place, *(tip.axes or (0.0, 0.0, 0.0)))
+            for tip in shape.tips
+        ]
+    return rows, np.array(tips, dtype=float).reshape(-1, 10)
 
 
 def group_table(groups: Mapping[str, int], apart: Sequence[Apart]) -> Array:

@@ -34,7 +34,7 @@ RIM = 4
 
 @dataclass(frozen=True)
 class Tip:
-    """Part of a shape that touches another one: a sphere, or a circle of spheres about z.
+    """Part of a shape that touches another one: a sphere, a circle of spheres, or an ellipsoid.
 
     Parameters
     ----------
@@ -47,12 +47,25 @@ class Tip:
     around : float, optional
         Angle on this circle from its lowest point, rad, of one of several points; None: the only
         one.
+    axes : tuple of float
+        Half axes along x, y and z of an ellipsoid whose lowest point touches, m; empty: none.
     """
 
     centre: tuple[float, float, float]
     radius: float
     ring: float = 0.0
     around: float | None = None
+    axes: tuple[float, ...] = ()
+
+    @property
+    def moves(self) -> bool:
+        """Whether another point of the body touches as it turns: its lowest one over a plane."""
+        return bool(self.ring or self.axes)
+
+    @property
+    def reach(self) -> float:
+        """Distance from the marker to its farthest place, m."""
+        return hypot(*self.centre) + self.radius + self.ring + max(self.axes, default=0.0)
 
     @property
     def place(self) -> float:
@@ -420,7 +433,7 @@ def touching(on: Shape, of: Shape) -> Sequence[Tip] | None:
     """Return the tips of `of` that touch `on`; None if this pair is not available."""
     if of.round:
         return of.tips if on.code >= 0 else None
-    ring = any(tip.ring for tip in of.tips)
-    if not on.hollow or not of.tips or (ring and not isinstance(on, HalfSpace)):
+    moves = any(tip.moves for tip in of.tips)
+    if not on.hollow or not of.tips or (moves and not isinstance(on, HalfSpace)):
         return None
     return of.tips

@@ -62,7 +62,17 @@ def point_states(points: int) -> dict[str, str]:
 EngineLaw(
     "contact",
     units={"mu_static": "1", "mu_kinetic": "1"},
-    constants=("shape", "size", "centre", "radius", "ring", "around", *LAW_NUMBERS, *TURN_NUMBERS),
+    constants=(
+        "shape",
+        "size",
+        "centre",
+        "radius",
+        "ring",
+        "around",
+        "axes",
+        *LAW_NUMBERS,
+        *TURN_NUMBERS,
+    ),
     states=STATES | TURN,
     between=True,
     fast={"contacts": ()},
@@ -302,10 +312,11 @@ class Contact(ForceElement, tag="contact"):
             "radius": tip.radius,
             "ring": tip.ring,
             "around": tip.place,
+            "axes": tip.axes or (0.0, 0.0, 0.0),
             "rolling": self.rolling,
             "drilling": self.drilling,
             "inertia": 1.0 / (angular_mobility(a) + angular_mobility(b)),
-            **self._numbers(hypot(*tip.centre) + tip.radius + tip.ring),
+            **self._numbers(tip.reach),
         }
         law, curvature = self.law, self._curvature
         pressure = 0.0
