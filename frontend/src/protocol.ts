@@ -145,6 +145,8 @@ export interface Scene {
   limits: Record<string, [number, number] | null>;
   parameters?: Parameter[];
   runs?: string[];
+  /** Largest normal force of the contacts, N, 0 if not known; null without contacts. */
+  touches: number | null;
   /** Note on the run for the user, for example that it is unfinished. */
   note?: string;
 }
@@ -155,6 +157,13 @@ export interface Rows {
   every: number;
   time: Block<Float64Array>;
   rows: Block<Float32Array | Float64Array>;
+}
+
+/** Points at which bodies touch at some instants: their numbers, 13 values each and their texts. */
+export interface Touches {
+  counts: Block<Uint32Array>;
+  values: Block<Float32Array | Float64Array>;
+  texts: string[];
 }
 
 export interface Window {
@@ -204,6 +213,8 @@ export interface Live {
   playing: boolean;
   recording: string | null;
   message: string;
+  /** Points at which bodies touch, of machines with contacts. */
+  touches?: Touches;
   /** Version of the scene, increased by each parameter change. */
   scene?: number;
 }

@@ -60,6 +60,8 @@ export interface State {
   symbols: { joint: boolean; force: boolean; sensor: boolean; ground: boolean };
   markers: boolean;
   arrows: boolean;
+  /** Arrows of the forces of contacts. */
+  touches: boolean;
   /** Shapes of bodies that touch. */
   contacts: boolean;
   /** Factor on the length of arrows. */
@@ -105,6 +107,7 @@ export const initial = (): State => ({
   symbols: { joint: true, force: true, sensor: true, ground: true },
   markers: false,
   arrows: true,
+  touches: true,
   contacts: true,
   arrowScale: 1,
   grid: true,

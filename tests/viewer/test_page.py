@@ -15,8 +15,10 @@ import pytest
 import jousto as jo
 from viewer.browser import chromium, opened, until
 from viewer.machines import HIGH, answers, mechanism, number_of, swing
+from viewer.test_touches import resting
 
 PIXEL = 1.5
+SMALL = {"width": 700, "height": 400}
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +72,39 @@ def pixels(matrix: np.ndarray, size: np.ndarray, x: np.ndarray) -> np.ndarray:
     clip = np.column_stack([x, np.ones(len(x))]) @ matrix.T
     ndc = clip[:, :2] / clip[:, 3:]
     return np.column_stack([(1 + ndc[:, 0]) / 2, (1 - ndc[:, 1]) / 2]) * size
+
+
+def test_contact_forces_are_drawn_where_bodies_touch(browser: Any) -> None:
+    """Red arrows as long as their forces at the corners of a crate; hovering shows the numbers."""
+    run = resting()
+    near = """() => { const view = window.jousto.app.view;
+        const {shown, scale} = view.machines[0].touches;
+        return shown.map(({at, force}) => {
+            const p = view.at(at.clone().addScaledVector(force, 0.4 * scale).toArray());
+            return [p[0], p[1], view.pick(p[0], p[1])?.touch ?? -1]; }); }"""
+    with jo_view(run) as view, opened(browser, view.address, viewport=SMALL) as page:
+        loaded = "() => window.jousto.app.view.machines[0].touches.pieces.size"
+        at(page, float(run.time[-1]))
+        until(page, lambda: bool(page.evaluate(loaded)))
+        at(page, float(run.time[-1]))
+        feet = page.evaluate("""() => { const view = window.jousto.app.view;
+            return view.machines[0].touches.shown.map(({at}) => view.at(at.toArray())); }""")
+        points = run.contacts.at(float(run.time[-1]))
+        drawn = pixels(*camera(page), np.array([point.point for point in points]))
+        apart = np.array(feet)[:, None, :2] - drawn
+        assert np.linalg.norm(apart, axis=2).min(axis=1).max() < PIXEL
+        # the arrow of a corner on the near side is in front of the crate
+        x, y, _ = next(one for one in page.evaluate(near) if one[2] >= 0)
+        red, green, _ = page.evaluate("([x, y]) => window.jousto.pixel(x, y)", [x, y])
+        assert red > 1.3 * green
+        box = page.locator("canvas").bounding_box()
+        page.mouse.move(box["x"] + x, box["y"] + y)
+        tip = page.locator(".tip")
+        tip.wait_for()
+        assert re.search(r"set: floor - crate, sticks.*normal force\s*14.7", tip.inner_text(), re.S)
+        page.evaluate("""() => { const app = window.jousto.app;
+            app.store.set({touches: false}); app.view.drawNow(); }""")
+        assert {one[2] for one in page.evaluate(near)} == {-1}
 
 
 def test_the_deformed_tip_is_where_the_solution_says(shown: Any) -> None:

@@ -34,13 +34,17 @@ export function mountDisplay(kit: Kit): void {
   }
   if (scene.bodies.some(({ kind }) => kind === "contact")) parts.push(flag("Contact shapes", "contacts"));
   if (scene.markers.length) parts.push(flag("Markers", "markers"));
-  if (scene.sensors.some((sensor) => sensor.arrow) || scene.symbols.some(({ group }) => group === "force")) {
-    parts.push(flag("Force and velocity arrows", "arrows"));
+  const arrows = scene.sensors.some((sensor) => sensor.arrow) || scene.symbols.some(({ group }) => group === "force");
+  if (arrows) parts.push(flag("Force and velocity arrows", "arrows"));
+  if (scene.touches !== null) parts.push(flag("Contact forces", "touches"));
+  if (arrows || scene.touches !== null) {
     const scale = slider("Length of arrows", { low: 0.1, high: 10, log: true }, (v) => `× ${number(v, 2)}`, (v) =>
       store.set({ arrowScale: v }),
     );
     store.watch(["arrowScale"], (state) => scale.set(state.arrowScale));
-    store.watch(["arrows"], (state) => (scale.element.hidden = !state.arrows));
+    store.watch(["arrows", "touches"], (state) => {
+      scale.element.hidden = !(arrows && state.arrows) && !(scene.touches !== null && state.touches);
+    });
     parts.push(scale.element);
   }
   parts.push(flag("Edges", "edges"), flag("Element mesh", "mesh"), flag("Grid", "grid"), flag("Shadows", "shadows"));

@@ -2,10 +2,26 @@
 
 import { measure } from "../format/measures";
 import { fixed, quantity } from "../format/units";
+import type { Hit } from "../render/view";
+import type { Touch } from "../render/symbols/touches";
 import type { Place } from "../state";
 import { debounced, h } from "./dom";
 import type { Kit } from "./kit";
 import { placeName, probed } from "./kit";
+
+/** Numbers of a contact. */
+function lines(touch: Touch): HTMLElement[] {
+  const rows: [string, string][] = [
+    ["normal force", quantity(touch.normal, "N")],
+    ["friction", quantity(touch.friction, "N")],
+    ["gap", quantity(touch.gap, "m")],
+  ];
+  if (Number.isFinite(touch.pressure) && touch.pressure > 0) rows.push(["pressure", quantity(touch.pressure, "Pa")]);
+  if (touch.approach > 0) rows.push(["approach", quantity(touch.approach, "m/s")]);
+  if (Number.isFinite(touch.age)) rows.push(["touches since", quantity(touch.age, "s")]);
+  rows.push(["x, y, z", `${touch.at.toArray().map((x) => fixed(x, 4)).join(", ")} m`]);
+  return rows.flatMap(([term, text]) => [h("dt", { text: term }), h("dd", { text })]);
+}
 
 export function mountProbe(kit: Kit): void {
   const { app } = kit;
@@ -69,15 +85,18 @@ export function mountProbe(kit: Kit): void {
   const tip = h("div", { class: "probe tip" });
   tip.hidden = true;
   slots.overlay.append(tip);
-  const symbolAt = debounced(60, (x: number, y: number) => {
-    if (store.state.playing || store.state.hover) return;
-    const hit = view.pick(x, y);
+  const show = (x: number, y: number, hit: Hit | null): void => {
     const known = hit?.symbol === undefined ? undefined : app.runs[hit.run].scene.symbols[hit.symbol];
-    tip.hidden = !known;
-    if (!known) return;
-    tip.textContent = known.text || `${known.name} (${known.kind})`;
+    const touch = hit?.touch === undefined ? undefined : view.machines[hit.run].touches?.shown[hit.touch];
+    tip.hidden = !known && !touch;
+    if (known) tip.textContent = known.text || `${known.name} (${known.kind})`;
+    if (touch) tip.replaceChildren(h("div", { class: "name", text: touch.text }), h("dl", {}, ...lines(touch)));
     tip.style.transform = `translate(${x + 14}px, ${y + 12}px)`;
+  };
+  const symbolAt = debounced(60, (x: number, y: number) => {
+    if (!store.state.playing && !store.state.hover) show(x, y, view.pick(x, y));
   });
+  view.onClick(({ x, y, hit }) => show(x, y, hit));
   view.canvas.addEventListener("pointermove", (event) => {
     tip.hidden = true;
     if (event.pointerType === "touch" || event.buttons) return;

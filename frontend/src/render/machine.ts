@@ -15,6 +15,7 @@ import { Neighbours } from "./picker";
 import type { Shared } from "./shared";
 import { Arrows } from "./symbols/arrows";
 import { Symbols } from "./symbols/symbols";
+import { ContactForces, MOST_ARROWS } from "./symbols/touches";
 
 const EMPTY = {
   time: { data: new Float64Array() },
@@ -26,9 +27,12 @@ export class Machine {
   readonly bodies: BodyView[];
   readonly symbols: Symbols;
   readonly arrows: Arrows;
+  /** Forces of contacts; null for scenes without contacts. */
+  readonly touches: ContactForces | null;
   row: ArrayLike<number>;
   private neighbours = new Map<number, Neighbours>();
   private stop: () => void = () => undefined;
+  private frames: ArrayLike<number>;
   private shift: Vec3 = [0, 0, 0];
 
   constructor(
@@ -37,6 +41,9 @@ export class Machine {
     middle: THREE.Vector3,
     radius: number,
     readonly firstThing: number,
+    private source: Source,
+    changed: () => void,
+    say: (message: string) => void,
   ) {
     this.row = run.scene.still.data;
     this.group.matrixAutoUpdate = false;
@@ -48,14 +55,18 @@ export class Machine {
     for (const view of this.bodies) this.group.add(view.group);
     this.symbols = new Symbols(run.scene, shared, middle, radius, firstThing + this.bodies.length, run.index);
     this.arrows = new Arrows(run.scene, radius);
+    const { touches } = run.scene;
+    this.touches = touches === null ? null : new ContactForces(touches, radius, run.index, changed, say);
+    this.frames = run.track.times;
     this.group.add(this.symbols.group);
   }
 
   /** Request the histories of sensors shown as arrows. */
-  async load(source: Source): Promise<void> {
-    const { arrows, run } = this;
+  async load(): Promise<void> {
+    const { arrows, run, source } = this;
     if (source.live) {
       this.stop = source.onLive((live) => {
+        if (live.touches) this.touches?.take(live.touches);
         let first = 0;
         for (const sensor of run.scene.sensors) {
           const values = [...live.sensors.data.subarray(first, first + sensor.components.length)];
@@ -79,7 +90,17 @@ export class Machine {
     this.shift = state.offset.map((x) => x * this.run.index) as Vec3;
     this.group.matrix.makeTranslation(...this.shift);
     for (const view of this.bodies) if (view.group.visible) view.update(this.row, state.measure);
-    this.symbols.update(this.row, state, state.arrows ? this.arrows.at(this.row, state.time, state.amplification) : []);
+    if (state.touches && !this.source.live) this.seek(state.time);
+    const arrows = state.arrows ? this.arrows.at(this.row, state.time, state.amplification) : [];
+    this.symbols.update(this.row, state, arrows, this.touches);
+  }
+
+  /** Show the contact forces of an instant. */
+  private seek(time: number): void {
+    const { times } = this.run.track;
+    if (times !== this.frames) this.touches?.forget();
+    this.frames = times;
+    this.touches?.seek(this.source, times, time);
   }
 
   /** Compute changed deformations and measures. */
@@ -95,7 +116,7 @@ export class Machine {
 
   /** Number of objects in the picking picture. */
   get things(): number {
-    return this.bodies.length + this.run.scene.symbols.length;
+    return this.bodies.length + this.run.scene.symbols.length + (this.touches ? MOST_ARROWS : 0);
   }
 
   /** Objects for the picking picture. */

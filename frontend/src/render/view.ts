@@ -33,6 +33,8 @@ export interface Hit extends Place {
   position: Vec3;
   /** Index of the symbol in the scene; body and vertex are -1 then. */
   symbol?: number;
+  /** Index of the displayed contact force; body and vertex are -1 then. */
+  touch?: number;
 }
 
 const OUTLINE = 5000; // largest number of vertices that define the outline of the picture
@@ -137,14 +139,16 @@ export class View {
   build(run: Run, k: number): void {
     const before = this.machines[k], last = this.machines[k - 1];
     const firstThing = before?.firstThing ?? (last ? last.firstThing + last.things : 0);
-    const machine = new Machine(run, this.shared, this.middle, this.radius, firstThing);
+    const machine = new Machine(run, this.shared, this.middle, this.radius, firstThing, this.source, () => this.redraw(), (message) =>
+      this.store.set({ message }),
+    );
     if (before) {
       this.scene.remove(before.group);
       before.dispose();
     }
     this.machines[k] = machine;
     this.scene.add(machine.group);
-    void machine.load(this.source).then(() => this.redraw());
+    void machine.load().then(() => this.redraw());
     this.looksChanged = true;
     this.redraw();
   }
@@ -306,7 +310,9 @@ export class View {
       const body = found.thing - machine.firstThing;
       if (body < 0 || body >= machine.things) continue;
       const position = this.unproject(px, py, found.depth);
-      if (body >= scene.bodies.length) return { run, body: -1, vertex: -1, position, symbol: body - scene.bodies.length };
+      const symbol = body - scene.bodies.length, touch = symbol - scene.symbols.length;
+      if (touch >= 0) return { run, body: -1, vertex: -1, position, touch };
+      if (symbol >= 0) return { run, body: -1, vertex: -1, position, symbol };
       let vertex = found.vertex, least = Infinity;
       for (const candidate of machine.candidates(body, found.vertex)) {
         const at = this.project(run, body, candidate);

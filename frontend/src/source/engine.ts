@@ -1,6 +1,6 @@
 /** Machine that runs inside the page, with the commands of a server. */
 
-import type { Block, History, Live, Probe, Rows, Scene, Window, Worst } from "../protocol";
+import type { Block, History, Live, Probe, Rows, Scene, Touches, Window, Worst } from "../protocol";
 import { decode } from "../protocol";
 import { Machine, STOPPED } from "./machine";
 import * as numbers from "./numbers";
@@ -71,6 +71,10 @@ export class EngineSource implements Source {
       time: { type: "f8", shape: [1], data: time },
       rows: { type: "f8", shape: [1, this.row.length], data: this.row.slice() },
     };
+  }
+
+  async touches(): Promise<Touches> {
+    throw new Error("A machine in a page computes no contact forces; jousto live does.");
   }
 
   async window(_run: number, start: number, end: number): Promise<Window> {

@@ -1,7 +1,7 @@
 /** Scenes and numbers from data inside the page. */
 
 import { before } from "../motion/track";
-import type { Block, History, Live, Probe, Rows, Scene, Window, Worst } from "../protocol";
+import type { Block, History, Live, Probe, Rows, Scene, Touches, Window, Worst } from "../protocol";
 import { decode } from "../protocol";
 import * as numbers from "./numbers";
 import type { Source } from "./source";
@@ -12,6 +12,7 @@ export interface Stored {
   time: Block<Float64Array>;
   rows: Block<Float32Array | Float64Array>;
   sensors?: numbers.Sensors;
+  touches?: Touches;
   worst?: Worst[] | Record<string, Worst[]>;
 }
 
@@ -52,6 +53,19 @@ export class FileSource implements Source {
     const part = new Float64Array(chosen.length * nr);
     chosen.forEach((i, k) => part.set(rows.data.subarray(i * nr, (i + 1) * nr), k * nr));
     return answer(first, every, Float64Array.from(chosen, (i) => time.data[i]), part, nr, "f8");
+  }
+
+  async touches(run: number, first: number, count: number): Promise<Touches> {
+    const { touches } = this.runs[run];
+    if (!touches) throw new Error("This page contains no contact forces.");
+    const { counts, values, texts } = touches, width = values.shape[1];
+    const sum = (end: number): number => counts.data.subarray(0, end).reduce((a, b) => a + b, 0);
+    const data = values.data.subarray(width * sum(first), width * sum(first + count));
+    return {
+      counts: { type: "u4", shape: [count], data: counts.data.subarray(first, first + count) },
+      values: { type: values.type, shape: [data.length / width, width], data },
+      texts,
+    };
   }
 
   async window(run: number, start: number, end: number): Promise<Window> {

@@ -1,6 +1,6 @@
 /** Scenes and numbers from the server that serves this page. */
 
-import type { Failure, History, Live, Probe, Rows, Scene, Window, Worst } from "../protocol";
+import type { Failure, History, Live, Probe, Rows, Scene, Touches, Window, Worst } from "../protocol";
 import { decode } from "../protocol";
 import type { Source } from "./source";
 import { keep } from "./said";
@@ -51,6 +51,10 @@ export class SocketSource implements Source {
 
   async rows(run: number, first: number, count: number, every: number): Promise<Rows> {
     return (await this.ask("rows", { run, first, count, every })) as unknown as Rows;
+  }
+
+  async touches(run: number, first: number, count: number): Promise<Touches> {
+    return (await this.ask("touches", { run, first, count })) as unknown as Touches;
   }
 
   async window(run: number, start: number, end: number): Promise<Window> {

@@ -3,7 +3,7 @@
  * machine that runs in it (`engine.ts`).
  */
 
-import type { History, Live, Probe, Rows, Scene, Window, Worst } from "../protocol";
+import type { History, Live, Probe, Rows, Scene, Touches, Window, Worst } from "../protocol";
 
 export interface Source {
   /** Whether numbers are in double precision, or rounded to 7 digits in the page. */
@@ -15,6 +15,8 @@ export interface Source {
   scene(run: number): Promise<Scene>;
   /** Rows of `count` frames from number `first`, one in `every`. */
   rows(run: number, first: number, count: number, every: number): Promise<Rows>;
+  /** Points at which bodies touch at `count` frames from number `first`. */
+  touches(run: number, first: number, count: number): Promise<Touches>;
   /** Frames of another time window of a long run; later row numbers refer to it. */
   window(run: number, start: number, end: number): Promise<Window>;
   probe(run: number, body: number, vertex: number, time: number): Promise<Probe>;

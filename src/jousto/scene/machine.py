@@ -58,7 +58,8 @@ def run_scene(run: Solution) -> Scene:
     sampled = np.concatenate([motion.rows(slice(k, k + 1)) for k in chosen])
     scene = _machine(run, firsts, sampled)
     events = tuple(Happened(x.time, x.name) for x in run.events)
-    return replace(scene, what="run", motion=motion, events=events, run=run)
+    touches = max((one.force for one in run.contacts), default=None)
+    return replace(scene, what="run", motion=motion, events=events, run=run, touches=touches)
 
 
 def model_scene(model: Model) -> Scene:

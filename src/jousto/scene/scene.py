@@ -331,6 +331,8 @@ class Scene:
         Smallest and largest value of each measure over the run, as far as known.
     run : Solution or None
         The results.
+    touches : float or None
+        Largest normal force of the contacts of the run, N, 0 if not known; None without contacts.
     """
 
     what: str
@@ -350,6 +352,7 @@ class Scene:
     measures: tuple[str, ...] = ()
     limits: dict[str, Any] = field(default_factory=dict)
     run: Solution | None = None
+    touches: float | None = None
 
     def __repr__(self) -> str:
         return f"<Scene {self.name!r}: {len(self.bodies)} bodies, {len(self.symbols)} symbols>"

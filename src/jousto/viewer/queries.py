@@ -22,12 +22,14 @@ from jousto.viewer.measures import CRITERIA, NUMBERED, SHIFTS, unit_of
 from jousto.viewer.packing import frames_header, scene_header
 from jousto.viewer.points import Point, rows_of
 from jousto.viewer.requests import Request
+from jousto.viewer.touches import Touches, model_of
 
 if TYPE_CHECKING:
     from jousto.scene.scene import Body, Scene
 
 MOST_POINTS = 20_000  # points of a plot
 MOST_COUNT = 100  # extreme places in an answer
+MOST_INSTANTS = 64  # instants of an answer with points that touch
 BLOCK = 16 << 20  # bytes of rows per read
 WINDOWS = 64  # number of pages whose window is remembered
 
@@ -62,6 +64,8 @@ class Answers:
         self._made, self._shown = 0, dict[int, int]()
         self._windows: dict[tuple[int, int], Frames] = {}
         self._known: dict[tuple[Any, ...], dict[str, Any]] = {}  # cache of slow answers by request
+        self._touching: dict[int, Touches] = {}
+        self._compiling = threading.Lock()
 
     @property
     def title(self) -> str:
@@ -90,6 +94,7 @@ class Answers:
         known: dict[str, Callable[[Request, int], dict[str, Any]]] = {
             "scene": self._scene,
             "rows": self._rows,
+            "touches": self._touches,
             "window": self._window,
             "probe": self._probe,
             "history": self._history,
@@ -150,6 +155,19 @@ class Answers:
             "rows": np.asarray(rows, dtype=np.float32),
         }
 
+    def _touches(self, asked: Request, run: int) -> dict[str, Any]:
+        scene, frames = self.scenes[run], self._frames(asked, run)
+        if scene.run is None or scene.touches is None or frames is None:
+            raise InputError(Problem("touches", "this scene has no contacts"))
+        first = asked.whole("first", max(frames.number, 1))
+        number = asked.whole("count", MOST_INSTANTS + 1, least=1)
+        chosen = frames.rows(first, number, 1, len(scene.still))
+        with self._compiling:
+            if run not in self._touching:
+                self._touching[run] = Touches(model_of(scene.run))
+            touching = self._touching[run]
+        return touching.at(scene.run.each_state(range(scene.run.nt)[chosen])) | {"first": first}
+
     def _renew(self, asked: Request, begins: bool) -> None:
         """Reopen changed files; raise Renewed for a page with the old content."""
         page = asked.whole("page", 1 << 62, default=0)
@@ -162,6 +180,7 @@ class Answers:
             self._made += 1
             self._windows.clear()
             self._known.clear()
+            self._touching.clear()
             self._said = f"{file}: was written anew; this is what it contains now"
         if begins:
             self._shown[page] = self._made

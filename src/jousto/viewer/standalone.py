@@ -16,9 +16,10 @@ from jousto.viewer.container import pack
 from jousto.viewer.extremes import rank_places, stress_fields
 from jousto.viewer.frames import Frames, thinned
 from jousto.viewer.packing import scene_header
+from jousto.viewer.touches import Touches, model_of
 
 if TYPE_CHECKING:
-    from jousto.base.arrays import Array
+    from jousto.base.arrays import Array, Index
     from jousto.scene.scene import Motion, Scene
 
 Places = dict[str, list[dict[str, Any]]]  # extreme places by measure
@@ -82,32 +83,52 @@ def contents(scene: Scene, frames: int) -> dict[str, Any]:
     """Return the data of a scene for the page: frames, sensors and extreme places."""
     places = _worst(scene)
     time, rows, chosen = np.zeros(0), np.zeros((0, len(scene.still))), None
+    touches: dict[str, Any] = {}
     if scene.motion is not None:
         chosen = Frames.thinned(0, len(scene.motion.times), most=max(2, frames))
-        time, rows = _instants(scene.motion, chosen, places)
+        kept = _instants(scene.motion, chosen, places)
+        time = np.asarray(scene.motion.times, dtype=np.float64)[kept]
+        rows = _rows(scene.motion, chosen, kept)
+        touches = _touches(scene, kept)
     header = scene_header(scene, chosen, half=False)
     if chosen is not None:
         header["frames"] = time
+    if note := touches.pop("note", ""):
+        header |= {"touches": None, "note": note}
     return {
         "scene": header,
         "time": time,
         "rows": np.asarray(rows, dtype=np.float32),
         "sensors": _sensors(scene),
         "worst": places,
+        **touches,
     }
 
 
-def _instants(motion: Motion, chosen: Frames, places: Places) -> tuple[Array, Array]:
-    """Return times (m,) and rows (m, width) of the frames and the extreme places."""
-    time = np.asarray(motion.times, dtype=np.float64)
-    every = np.arange(len(time))[chosen.rows_of_all()]
+def _instants(motion: Motion, chosen: Frames, places: Places) -> Index:
+    """Return the stored indices (m,) of the frames and of the extreme places, ascending."""
+    every = np.arange(len(motion.times))[chosen.rows_of_all()]
     worst_times = [x["time"] for found in places.values() for x in found if x["time"] is not None]
-    further = np.setdiff1d(np.searchsorted(time, worst_times), every)
+    return np.union1d(every, np.searchsorted(motion.times, worst_times)).astype(np.intp)
+
+
+def _rows(motion: Motion, chosen: Frames, kept: Index) -> Array:
+    """Return the rows (m, width) of instants, those of the frames read at once."""
+    further = np.setdiff1d(kept, np.arange(len(motion.times))[chosen.rows_of_all()])
     pieces = [motion.rows(slice(i, i + 1)) for i in further.tolist()]
     rows = np.concatenate([motion.rows(chosen.rows_of_all()), *pieces])
-    kept = np.concatenate([every, further])
-    order = np.argsort(kept)
-    return time[kept[order]], rows[order]
+    return rows[np.argsort(np.concatenate([np.setdiff1d(kept, further), further]))]
+
+
+def _touches(scene: Scene, kept: Index) -> dict[str, Any]:
+    """Return the points at which bodies touch at instants, or a note why they are not known."""
+    if scene.run is None or scene.touches is None:
+        return {}
+    try:
+        found = Touches(model_of(scene.run)).at(scene.run.each_state(kept.tolist()))
+    except JoustoError as error:
+        return {"note": f"The page has no arrows of contact forces. {error}"}
+    return {"touches": found | {"values": found["values"].astype(np.float32)}}
 
 
 def _sensors(scene: Scene) -> dict[str, Any]:

@@ -107,4 +107,5 @@ def _without_resultants(scene: Scene, nq: int) -> Scene:
         body if body.rings is None else replace(body, rings=replace(body.rings, forces=-1))
         for body in scene.bodies
     )
-    return replace(scene, bodies=bodies, still=scene.still[:nq], measures=measures_of(bodies))
+    still, measures = scene.still[:nq], measures_of(bodies)
+    return replace(scene, bodies=bodies, still=still, measures=measures, touches=None)

@@ -13,6 +13,8 @@ import type { Shape } from "./glyphs";
 import type { Draw, Situation, Tint } from "./kinds";
 import { arrow, kindOf, normalTo } from "./kinds";
 import { sizesOf } from "./sizes";
+import type { Touch } from "./touches";
+import { MOST_ARROWS } from "./touches";
 
 const TINTS: Record<Tint, THREE.Color> = {
   joint: raw("#e0a33e"),
@@ -61,11 +63,12 @@ export class Symbols {
     this.group.matrixAutoUpdate = false;
     this.group.matrix.makeTranslation(middle.x, middle.y, middle.z);
     const points = scene.symbols.reduce((n, symbol) => n + symbol.sides.length, 0);
-    this.capacity = 4 * (points + scene.symbols.length) + 6 * scene.markers.length + 4 * scene.sensors.length + 16;
+    const touches = scene.touches === null ? 0 : MOST_ARROWS;
+    this.capacity = touches + 4 * (points + scene.symbols.length) + 6 * scene.markers.length + 4 * scene.sensors.length + 16;
   }
 
   /** Place all symbols; `shown` determines the hidden ones. */
-  update(row: ArrayLike<number>, state: Readonly<State>, arrows: Arrow[]): void {
+  update(row: ArrayLike<number>, state: Readonly<State>, arrows: Arrow[], touches: { shown: Touch[]; scale: number } | null): void {
     for (const batch of this.batches.values()) batch.begin();
     const gone = this.gone(state);
     const away = (sides: readonly Side[]): boolean => gone !== null && sides.every(({ place }) => gone(place));
@@ -88,7 +91,18 @@ export class Symbols {
         arrow(draw, one.at.clone().sub(this.middle), along, length, 0.0065 * this.radius, colour, one.kind === "moment" ? 2 : 1);
       }
     }
+    if (touches && state.touches && state.isolated === null) this.touches(touches.shown, touches.scale * state.arrowScale);
     for (const batch of this.batches.values()) batch.end();
+  }
+
+  /** Arrows of contact forces; their numbers follow those of the symbols. */
+  private touches(shown: readonly Touch[], scale: number): void {
+    shown.slice(0, MOST_ARROWS).forEach(({ at, force }, i) => {
+      const length = force.length() * scale;
+      if (!(length > 1e-3 * this.radius)) return;
+      const draw = this.painter(this.firstThing + this.scene.symbols.length + i);
+      arrow(draw, at.clone().sub(this.middle), force.clone().normalize(), length, 0.0065 * this.radius, "force");
+    });
   }
 
   /** Whether symbols on the body at a place are hidden with it; null if nothing is hidden. */

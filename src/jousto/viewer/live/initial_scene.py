@@ -25,7 +25,10 @@ def scene_at(model: Model, state: State | None, title: str) -> tuple[Solution, S
     low, high = np.asarray(scene.box)
     edge = AROUND * float(np.linalg.norm(high - low))
     box = np.array([low - edge, high + edge])
-    seen: Scene = replace(scene, what="live", title=title, box=box, motion=None, run=None)
+    touches = 0.0 if model.touches else None
+    seen: Scene = replace(
+        scene, what="live", title=title, box=box, motion=None, run=None, touches=touches
+    )
     return run, seen
 
 

@@ -25,6 +25,7 @@ from jousto.viewer.live.sources import OpenedMachine
 from jousto.viewer.packing import scene_header
 from jousto.viewer.queries import Answers
 from jousto.viewer.requests import Request
+from jousto.viewer.touches import Touches, packed, state_of_row
 
 STALE = 0.5  # interval, s, after which a picture is sent without a change
 
@@ -222,6 +223,7 @@ class LiveDesk:
         run, self.scene = scene_at(made.model, made.state, self.title)
         self._rows = rows_of(run)[0]
         self._known = {c.place: c for c in columns(made.model)}
+        self._touches = Touches(made.model) if made.model.touches else None
         self._number += 1
 
     def _row(self, glance: Glance) -> Array:
@@ -253,7 +255,17 @@ class LiveDesk:
             "recording": glance.recording or None,
             "message": glance.message,
             "scene": self._number,
+            **self._contacts(glance),
         }
+
+    def _contacts(self, glance: Glance) -> dict[str, Any]:
+        """Return the points at which bodies touch; nothing for a machine without contacts."""
+        if self._touches is None:
+            return {}
+        try:
+            return {"touches": self._touches.at([state_of_row(glance.row, self._known)])}
+        except InputError:  # a motion that has diverged
+            return {"touches": packed([[]])}
 
 
 class Pusher:
