@@ -8,6 +8,7 @@
 #include "contact/contact_record.h"
 
 #define JO_PEAK_ROUNDING 1e-14  /* change of a rate, relative to it, below which a depth has no peak within the step */
+#define JO_UNEVEN 10.0     /* length of a step over that of another one up to which both are of one parabola */
 
 /* whether a force can touch */
 static int can_touch(const jo_force *f)
@@ -66,12 +67,21 @@ static jo_contact_sample sum_of(const jo_model *m, const jo_data *d, int force, 
     return s;
 }
 
+/* Whether a parabola through the last three ends says something: where a step is much longer than the one before, which an event has cut,
+ * it extrapolates round-off. */
+static int even(const jo_open_contact *w, const jo_contact_sample *now)
+{
+    if (w->samples < 2) return 0;
+    const double h = now->time - w->last[0].time, h0 = w->last[0].time - w->last[1].time;
+    return h <= JO_UNEVEN * h0 && h0 <= JO_UNEVEN * h;
+}
+
 /* integral of a rate over the last step: parabola through the last three ends, a straight line after a jump */
 static double integral(const jo_open_contact *w, const jo_contact_sample *now, int i)
 {
     const jo_contact_sample *b = &w->last[0], *a = &w->last[1];
     const double h = now->time - b->time, line = 0.5 * h * (b->rate[i] + now->rate[i]);
-    if (w->samples < 2) return line;
+    if (!even(w, now)) return line;
     const double h0 = b->time - a->time;
     const double bend = ((now->rate[i] - b->rate[i]) / h - (b->rate[i] - a->rate[i]) / h0) / (h + h0);
     return line - bend * h * h * h / 6.0;
@@ -81,7 +91,7 @@ static double integral(const jo_open_contact *w, const jo_contact_sample *now, i
 static void see_force(jo_open_contact *w, const jo_contact_sample *now)
 {
     w->event.largest = fmax(w->event.largest, now->rate[0]);
-    if (w->samples < 2) return;
+    if (!even(w, now)) return;
     const jo_contact_sample *b = &w->last[0], *a = &w->last[1];
     const double x = a->time - b->time, y = now->time - b->time, u = a->rate[0] - b->rate[0], v = now->rate[0] - b->rate[0];
     const double bend = (v / y - u / x) / (y - x), slope = v / y - bend * y;

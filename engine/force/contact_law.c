@@ -46,6 +46,15 @@ static jo_real cubic_step(jo_real x, jo_real *slope)
     return x * x * (3.0 - 2.0 * x);
 }
 
+/* Damper of a contact whose touches are impulses, N s/m: what is left for the law is rest. It has the restitution e by a spring of the duration T
+ * of the slowest touch, c = 2 z m pi / T with e = exp(-pi z / sqrt(1 - z^2)); unlike u d' K d^n / v_in it is linear, so that steps longer than T
+ * stay stable. */
+static jo_real rest_damper(const jo_contact_law *x)
+{
+    const double decay = -log(JO_RE(x->restitution)), ratio = decay / sqrt(JO_PI * JO_PI + decay * decay);
+    return 2.0 * ratio * JO_PI * x->mass / jo_contact_lasts(x, JO_RE(x->slowest));
+}
+
 /* N and its derivatives, for the approach speed of the states; 0 without overlap */
 void jo_contact_press(const jo_contact_law *x, const jo_real *state, jo_contact_point *y)
 {
@@ -54,13 +63,14 @@ void jo_contact_press(const jo_contact_law *x, const jo_real *state, jo_contact_
     y->N = y->by_depth = y->by_rate = y->shear = y->shear_rate = y->loss = none;
     if (!(JO_RE(y->depth) > 0.0)) return;
     press_without_loss(x, y);
-    const jo_real a = x->damping / state[JO_CONTACT_SPEED];
+    const int rests = jo_contact_may_strike(x);
+    const jo_real a = rests ? none : x->damping / state[JO_CONTACT_SPEED];
     jo_real steepness, c = x->viscous, dc = none;
     if (JO_RE(x->full) > 0.0) {
         c = x->viscous * cubic_step(y->depth / x->full, &steepness);
         dc = x->viscous * steepness / x->full;
     }
-    y->lag = a * y->elastic;
+    y->lag = rests ? rest_damper(x) : a * y->elastic;
     y->lag_rate = a * y->slope;
     y->by_rate = y->lag + c;
     y->N = y->elastic + y->by_rate * y->rate;

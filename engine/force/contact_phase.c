@@ -5,12 +5,16 @@
 enum { JO_CURVE_HALVINGS = 20 };    /* of the largest depth of a touch */
 #define JO_CONTACT_PARTS 20.0   /* steps in which a short contact is resolved */
 #define JO_CONTACT_LASTS 4.0    /* age of a contact over its duration without loss, from which on it is not short: also with large mass and loss */
+#define JO_NO_SLIP 1e-8     /* slip over the slowest approach of the law below which it is the round-off of an impulse or of a stop: none */
 #define JO_STEEPEST 1.875         /* mu' velocity / mu_static of the smooth law at rest */
+
+/* A slip has no direction where it is round-off: friction of mu N along it would push anywhere, and its tangent mu N / |slip| has no end. */
+static int slides(const jo_contact_law *x, const jo_contact_point *y) { return JO_RE(jo_length3(y->slip)) > JO_NO_SLIP * JO_RE(x->slowest); }
 
 /* whether the bristle is beyond its limit, and is stretched further */
 static int breaks(const jo_contact_law *x, const jo_contact_point *y)
 {
-    return JO_RE(y->size) > JO_RE(x->mu_static * y->N) && JO_RE(jo_dot3(y->force, y->slip)) < 0.0;
+    return slides(x, y) && JO_RE(y->size) > JO_RE(x->mu_static * y->N) && JO_RE(jo_dot3(y->force, y->slip)) < 0.0;
 }
 
 /* stretch at which the bristle has the force mu_k N in the direction of a slip e, not longer than `longest` */
@@ -29,7 +33,8 @@ static void touch(const jo_contact_law *x, jo_real time, jo_contact_point *y, jo
     if (JO_RE(y->rate) > JO_RE(state[JO_CONTACT_SPEED])) state[JO_CONTACT_SPEED] = y->rate;
     state[JO_CONTACT_SINCE] = time;
     jo_contact_press(x, state, y);
-    const int smooth = jo_contact_is_smooth(x), slips = smooth || JO_RE(x->shear * x->exponent * jo_length3(y->slip)) > JO_RE(x->mu_static * y->rate);
+    const int smooth = jo_contact_is_smooth(x);
+    const int slips = smooth || (slides(x, y) && JO_RE(x->shear * x->exponent * jo_length3(y->slip)) > JO_RE(x->mu_static * y->rate));
     const jo_real none[3] = {0.0, 0.0, 0.0};
     state[JO_CONTACT_PHASE] = jo_same(slips ? JO_CONTACT_SLIPS : JO_CONTACT_STICKS);
     full_stretch(x, y, slips && !smooth ? y->slip : none, jo_same(INFINITY), state + JO_CONTACT_STRETCH);
@@ -109,7 +114,7 @@ static void change_phase(const jo_contact_law *x, const jo_contact_point *y, jo_
         else jo_set3(s, y->stretch);
         break;
     case JO_CONTACT_SLIPS:
-        turned = JO_RE(jo_dot3(old, y->slip)) < 0.0;
+        turned = JO_RE(jo_dot3(old, y->slip)) < 0.0 || !slides(x, y);
         if (turned) state[JO_CONTACT_PHASE] = jo_same(JO_CONTACT_STICKS);
         full_stretch(x, y, turned ? old : y->slip, jo_length3(y->stretch), s);
         break;
@@ -170,13 +175,14 @@ static double curve_lasts(const jo_contact_law *x, double speed)
     return JO_PI * sqrt(JO_RE(x->mass) * high / JO_RE(y.elastic));
 }
 
-/* duration of the touch without loss, s */
-static double lasts(const jo_contact_law *x, const jo_real *state)
+double jo_contact_lasts(const jo_contact_law *x, double speed)
 {
-    const double n = JO_RE(x->exponent), v = JO_RE(state[JO_CONTACT_SPEED]);
-    if (JO_RE(x->curve) != JO_CURVE_POWER) return curve_lasts(x, v);
-    return JO_RE(x->duration) * pow(v, (1.0 - n) / (1.0 + n));
+    const double n = JO_RE(x->exponent);
+    if (JO_RE(x->curve) != JO_CURVE_POWER) return curve_lasts(x, speed);
+    return n == 1.0 ? JO_RE(x->duration) : JO_RE(x->duration) * pow(speed, (1.0 - n) / (1.0 + n));
 }
+
+static double lasts(const jo_contact_law *x, const jo_real *state) { return jo_contact_lasts(x, JO_RE(state[JO_CONTACT_SPEED])); }
 
 void jo_contact_begun(const jo_data *d, const jo_contact_law *x, int first, const jo_real *state)
 {

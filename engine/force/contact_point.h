@@ -25,7 +25,7 @@ typedef struct {
     jo_real w[3], v[3], slip[3];    /* relative angular velocity; velocity of b on a there, and its part in the contact plane */
     jo_real stretch[3];             /* s in the contact plane */
     jo_real elastic, slope, bend, energy;   /* force without loss, such as K d^n, its first two derivatives, and its integral over the depth */
-    jo_real lag, lag_rate;          /* (u / v_in) times this force, N s/m, and its derivative with respect to d */
+    jo_real lag, lag_rate;          /* (u / v_in) times this force, or the damper of a contact at rest, N s/m, and its derivative with respect to d */
     jo_real N, by_depth, by_rate;   /* normal force and its derivatives */
     jo_real shear, shear_rate;      /* k_t and its derivative with respect to d */
     jo_real loss;                   /* c_t */
@@ -71,6 +71,7 @@ static inline int jo_contact_is_smooth(const jo_contact_law *x) { return JO_RE(x
 
 /* contact_law.c */
 jo_real jo_contact_speed_of_depth(const jo_contact_law *x, jo_real depth);   /* of approach, m/s */
+double jo_contact_lasts(const jo_contact_law *x, double speed);     /* duration of a touch without loss from this speed of approach, s */
 void jo_contact_press(const jo_contact_law *x, const jo_real *state, jo_contact_point *y);
 void jo_contact_stretched(const jo_real *s, jo_contact_point *y);
 jo_real jo_contact_energy(int phase, const jo_contact_point *y);

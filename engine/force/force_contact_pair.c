@@ -84,6 +84,7 @@ static void present(const jo_force *f, const pair *p, const jo_real *state, poin
     t->law = *jo_contact_law_of(f);
     t->law.stiffness *= state[JO_PAIR_WEIGHT];
     t->law.viscous *= state[JO_PAIR_WEIGHT];
+    t->law.mass *= state[JO_PAIR_WEIGHT];
     if (p->mesh.triangles) jo_mesh_point_feature(&p->mesh, &p->b, p->r, p->R, JO_RE(state[JO_PAIR_CODE]), g);
     else jo_feature_at(&p->a, &p->b, p->r, p->R, state[JO_PAIR_CODE], g);
     y->depth = p->a.radius + p->b.radius - g->gap;
@@ -375,12 +376,25 @@ static int ease(const jo_model *m, const jo_data *d, const jo_force *f, jo_real 
     return changed;
 }
 
+/* Curvature of the gap between two features: its rate changes by at most speed^2 x curvature x time. The rate is n . v at the foot points. As b
+ * turns by w, its levers and planes do; across two edges at the angle x the normal turns by w / sin x and the foot slides by speed / sin x; about
+ * a rounded vertex or edge the normal turns by speed / radius. */
+static double bending(const pair *p, const jo_feature *g, const jo_approach *to)
+{
+    const double speed = sqrt(to->v[0] * to->v[0] + to->v[1] * to->v[1] + to->v[2] * to->v[2]), spin = jo_length(p->w, 3), turning = spin > 0.0 ? 3.0 * spin / speed : 0.0, radius = jo_pair_radii(p);
+    if (g->kind == JO_FACE_VERTEX || g->kind == JO_VERTEX_FACE) return turning;
+    if (g->kind != JO_EDGE_EDGE) return radius > 0.0 ? turning + 1.0 / radius : INFINITY;
+    const double sine = fabs(JO_RE(jo_dot3(g->edge, g->across))) - spin * to->within;
+    return sine > 0.0 ? turning / sine : INFINITY;
+}
+
 /* of the nearest point of the list that does not touch, on its face */
 static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_approach *to)
 {
     const jo_real *state = states(d, f);
     pair p;
     point t;
+    jo_feature nearest = {0};
     read_motion(m, d, f, &p);
     to->seen = f->state;
     to->convex = 0;
@@ -400,10 +414,11 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
         to->gap = -JO_RE(t.y.depth);
         to->rate = -JO_RE(t.y.rate);
         to->face = i;
-        to->curvature = t.feature.kind == JO_FACE_VERTEX ? 0.0 : INFINITY;
+        nearest = t.feature;
     }
     if (!(to->gap < INFINITY)) return 0;
     jo_pair_approach_speeds(&p, to);
+    to->curvature = bending(&p, &nearest, to);
     to->gap = fmax(to->gap, 0.0) + jo_pair_round_off(&p);   /* one that an impulse has opened again is below 0 by the resolution of its instant */
     return 1;
 }

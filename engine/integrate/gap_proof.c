@@ -73,7 +73,7 @@ static int may_have_closed(const jo_approach *a, const jo_approach *b, double be
     const double curved = alone ? fmax(a->curvature, b->curvature) : INFINITY, bent = curved > 0.0 ? speed * speed * curved * h : 0.0;
     const double varies = varied + bent;
     if (fmax(a->highest, b->highest) + varies < 0.0) return 0;
-    return !(a->gap + b->gap > h * fmin(speed, fmax(0.0, fmax(-a->rate, -b->rate)) + varies));
+    return !(a->gap + b->gap > h * fmin(speed, fmax(0.0, fmax(-a->rate, -b->rate) + varies)));
 }
 
 int jo_doubtful_gap(const jo_model *m, const jo_data *d, double h)

@@ -121,7 +121,7 @@ def bouncing(solver: Any, slowest: float = 1e-3) -> Any:
         jo.PositionSensor("x", ball["origin"]),
     )
     model = jo.compile(jo.Mechanism(ball, contact, jo.Gravity((0, 0, -G)), *sensors))
-    return jo.simulate(model, 2.0, solver=solver)
+    return jo.simulate(model, 2.5, solver=solver)
 
 
 @pytest.mark.parametrize("solver", methods(2e-3)[:3], ids=named)
