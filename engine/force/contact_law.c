@@ -1,6 +1,8 @@
 /* contact_law.c - force of two bodies on each other at a point, and its derivatives. See force_contact.c for the equations. */
 #include "force/contact_point.h"
 
+#define JO_SLOWEST_TURN 1e-5    /* slip over the slowest approach of the law below which its turn is that of a slip of this size */
+
 /* x^y, x > 0 */
 static jo_real raised(jo_real x, jo_real y)
 {
@@ -166,10 +168,12 @@ static void friction_change(const jo_contact_law *x, int phase, const jo_contact
         for (int i = 0; i < 3; i++) dF[i] = 0.0;
         return;
     }
-    const jo_real along = jo_dot3(l.z, z) / l.length, limit = l.mu * y->N;
+    /* the turn of a slip that is all but 0 has no end: beside it a mass would vanish in the matrix */
+    const double shortest = phase == JO_CONTACT_SLIPS && !l.kept ? JO_SLOWEST_TURN * JO_RE(x->slowest) : 0.0;
+    const jo_real along = jo_dot3(l.z, z) / l.length, limit = l.mu * y->N, length = JO_RE(l.length) > shortest ? l.length : jo_same(shortest);
     for (int i = 0; i < 3; i++) {
         const jo_real e = l.z[i] / l.length;
-        dF[i] = -l.mu * dN * e - limit * (z[i] - along * e) / l.length;
+        dF[i] = -l.mu * dN * e - limit * (z[i] - along * e) / length;
     }
 }
 
