@@ -161,7 +161,8 @@ typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTA
 /* operations of the programs of networks, see network_program.c */
 typedef enum { JO_DO_add = 0, JO_DO_subtract = 1, JO_DO_multiply = 2, JO_DO_divide = 3, JO_DO_sqrt = 4, JO_DO_exp = 5, JO_DO_log = 6,
                JO_DO_sin = 7, JO_DO_cos = 8, JO_DO_atan = 9, JO_DO_tanh = 10, JO_DO_power = 11, JO_DO_minimum = 12, JO_DO_maximum = 13,
-               JO_DO_select = 14, JO_DO_table = 15, JO_DO_table_x = 16, JO_DO_map = 17, JO_DO_map_x = 18, JO_DO_map_y = 19 } jo_do;
+               JO_DO_select = 14, JO_DO_table = 15, JO_DO_table_x = 16, JO_DO_map = 17, JO_DO_map_x = 18, JO_DO_map_y = 19,
+               JO_DO_edge = 20, JO_DO_edge_slope = 21 } jo_do;
 typedef enum { JO_ENERGY_KINETIC = 0, JO_ENERGY_STRAIN = 1, JO_ENERGY_POTENTIAL = 2, JO_ENERGY_SPRINGS = 3,
                JO_ENERGY_DISSIPATED = 4, JO_ENERGY_FRICTION = 5, JO_ENERGY_WORK = 6 } jo_energy_kind;
 typedef enum { JO_LOAD_JOINT = 0, JO_LOAD_APPLIED = 1, JO_LOAD_FRICTION = 2, JO_LOAD_GRAVITY = 3, JO_LOAD_INERTIA = 4,

@@ -20,7 +20,8 @@ typedef struct {
     int earlier;            /* number of earlier stages; the matrix uses the stiffness of beams and joint coordinates of the first stage */
     const double *rate, *acceleration;   /* (earlier) -s_ij and -z_ij of step_rosenbrock.c */
     const jo_real *rates[JO_MOST_STAGES], *accelerations[JO_MOST_STAGES];   /* (earlier) rates of increments and of velocities, (nw) each */
-    int contacts;           /* whether its matrix contains contacts */
+    int contacts;           /* whether its matrix contains contacts or networks */
+    int separate;           /* whether these are networks that follow after the accelerations without their part, network_response.c */
     int second;             /* second stage of ROS2 with beams or contacts: solved for the change from the accelerations of stage 1, with its factors */
     int smooth;             /* whether friction is left out, for the assembly of the joints */
     double alpha, beta;     /* Baumgarte, 1/s, as in jo_solver */

@@ -134,7 +134,7 @@ static JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t
     stage->rate = w->rate[k];
     stage->acceleration = w->acceleration[k];
     stage->lead = t->order > 2 ? 0.0 : w->lead[k] * stage->gh;   /* order 2: A contains the time derivative of the forces */
-    stage->second = k && t->order <= 2 && (m->nbeam || stage->contacts);
+    stage->second = k && t->order <= 2 && (m->nbeam || (stage->contacts && !stage->separate));
     if (k && (!jo_tree_active(d) || jo_nmaximal(d) || m->nforce)) carry(d, w, k, stage, 0.0, d->w, d->dv, d->acc);   /* otherwise not used */
     jo_push_modes(m, d, stage);
     if (k && stage->contacts) {
@@ -168,8 +168,9 @@ static JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, con
     const jo_real t0 = d->time[0];
     weights w;
     weigh(t, &w);
-    jo_stage stage = {.set = 1, .gh = t->coefficient[0] * s->step, .contacts = jo_contacts_in_matrix(t) && (jo_contacts_begin(m, d) || jo_network_count(d) > 0),
-                      .alpha = s->alpha, .beta = s->beta};
+    const int inside = jo_contacts_in_matrix(t), touching = inside && jo_contacts_begin(m, d), networks = inside && jo_network_count(d) > 0;
+    jo_stage stage = {.set = 1, .gh = t->coefficient[0] * s->step, .contacts = touching || networks, .alpha = s->alpha, .beta = s->beta};
+    stage.separate = networks && !touching && jo_networks_separate(m, d);
     jo_use_step(m, d, stage.gh);
     int status = stage_of(m, d, t, &w, 0, t0, &stage);
     if (t->stages > 1 && status == JO_OK) status = stage_of(m, d, t, &w, 1, t0, &stage);

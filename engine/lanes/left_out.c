@@ -341,6 +341,15 @@ void jo_networks_carry(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
+int jo_networks_separate(const jo_model *m, const jo_data *d)
+{
+    (void)m; (void)d;
+    return 0;
+}
+void jo_networks_respond(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    (void)m; (void)d; (void)stage;
+}
 void jo_networks_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     (void)m; (void)d; (void)stage;

@@ -38,17 +38,23 @@ void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const 
     if (body >= 0) add_marker_force(m, d, marker, F, T, d->body[body].fr, d->body[body].fp);
 }
 
+/* change of the forces of a body = 0, unless it has one already */
+static void begin_change(const jo_model *m, jo_data *d, int body)
+{
+    jo_body_work *w = &d->body[body];
+    if (w->maximal.changed) return;
+    for (int j = 0; j < 6; j++) w->y[j] = jo_same(0.0);
+    for (int j = 0; j < m->body[body].np; j++) w->yp[j] = jo_same(0.0);
+    w->maximal.changed = 1;
+}
+
 /* F and T (world) at a marker into y, yp of its body, a change of the forces */
 static void push_change(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T)
 {
     const int body = m->marker[marker].body;
     if (body < 0) return;
     jo_body_work *w = &d->body[body];
-    if (!w->maximal.changed) {
-        for (int j = 0; j < 6; j++) w->y[j] = jo_same(0.0);
-        for (int j = 0; j < m->body[body].np; j++) w->yp[j] = jo_same(0.0);
-        w->maximal.changed = 1;
-    }
+    begin_change(m, d, body);
     add_marker_force(m, d, marker, F, T, w->y, w->yp);
 }
 
@@ -84,6 +90,27 @@ void jo_clear_changes(const jo_model *m, jo_data *d)
 }
 
 void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f) { apply_to_both_markers(m, d, coordinate, f, push_change); }
+
+/* change of the forces of a body += Q along its velocities */
+void jo_push_body_change(const jo_model *m, jo_data *d, int body, const jo_real *Q)
+{
+    jo_body_work *w = &d->body[body];
+    jo_real f[3];
+    begin_change(m, d, body);
+    jo_mul3t(f, w->A, Q);
+    jo_add3(w->y, f);
+    jo_add3(w->y + 3, Q + 3);
+    for (int j = 0; j < m->body[body].n; j++) w->yp[j] += Q[6 + j];
+}
+
+/* Q = change of the forces of a body along its velocities */
+void jo_body_change(const jo_model *m, const jo_data *d, int body, jo_real *Q)
+{
+    const jo_body_work *w = &d->body[body];
+    jo_mul3(Q, w->A, w->y);
+    jo_set3(Q + 3, w->y + 3);
+    for (int j = 0; j < m->body[body].n; j++) Q[6 + j] = w->yp[j];
+}
 
 /* add f along a coordinate after jo_body_free; jo_free_changed must follow */
 void jo_push_late(const jo_model *m, jo_data *d, int coordinate, jo_real f)

@@ -118,6 +118,9 @@ void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const 
 void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f);
 void jo_clear_changes(const jo_model *m, jo_data *d);
 void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f);   /* change of force, into y and yp of the bodies */
+void jo_push_body_change(const jo_model *m, jo_data *d, int body, const jo_real *Q);   /* the same by Q along the velocities of a body */
+void jo_body_change(const jo_model *m, const jo_data *d, int body, jo_real *Q);       /* Q = the change along the velocities of a body */
+void jo_respond(const jo_model *m, jo_data *d, int set, jo_real *a);   /* changes of accelerations a and of joint[].x by these changes */
 void jo_push_late(const jo_model *m, jo_data *d, int coordinate, jo_real f);     /* jo_push_along after jo_body_free, before jo_free_changed */
 void jo_free_changed(const jo_model *m, jo_data *d, int set);
 void jo_push_modes(const jo_model *m, jo_data *d, const jo_stage *stage);   /* implicit part of modal forces, until jo_clear_modes */

@@ -15,6 +15,7 @@ typedef struct jo_network {
     int memories;               /* values that are constant within a step, see force_memory.c */
     int *memory;                /* (memories) their places among the states of all forces */
     int timed;              /* whether forces depend on time or signals */
+    int computed;           /* results in the registers: 1 of values, 2 also of derivatives */
     int *coordinate, *signal;   /* (m), (nsignal) */
     int *code;              /* (4 x instructions) operation and operands, see network_program.c */
     int *rate, *push, *slope;   /* (n) register of x'; (2 x npush) coordinate, register; (3 x nslope) row, column, register */
@@ -51,6 +52,7 @@ int jo_network_table(int operation, const jo_real *t, jo_real x, jo_real y, jo_r
 /* network_program.c */
 /* registers at the present coordinates and states, with signals at time + lead; derivatives also: those of the table S */
 void jo_network_evaluate(const jo_model *m, const jo_data *d, jo_network *w, const jo_real *x, double lead, int derivatives);
+int jo_network_depends_on_time(jo_network *w);
 void jo_network_factor(jo_real *A, int n, int *pivot);   /* LU by rows, with row exchanges */
 void jo_network_solve(const jo_real *A, int n, const int *pivot, jo_real *x);
 void jo_network_response(jo_network *w, double ca, double cv);   /* factors of ca - cv f_x; K and D with this response */
@@ -63,6 +65,13 @@ void jo_networks_carry(const jo_model *m, jo_data *d);
 void jo_networks_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_networks_add_to_newton(const jo_model *m, jo_data *d);
 void jo_networks_subtract(const jo_model *m, jo_data *d, const jo_real *a);
+int jo_network_body(const jo_model *m, const jo_network *w, int side);   /* body of side 2 k or 2 k + 1 of coordinate k; -1: ground */
 void jo_network_rates_along(const jo_network *w, const jo_real *z, jo_real *y);   /* y (m) = J z */
+
+/* network_response.c */
+void jo_network_responses_layout(const jo_model *m, jo_networks *all, int most, jo_arena *a);   /* most: bound of the rows */
+void jo_network_responses_setup(const jo_model *m, jo_networks *all);
+int jo_networks_separate(const jo_model *m, const jo_data *d);   /* whether jo_networks_respond accounts for them, not Newton's matrix */
+void jo_networks_respond(const jo_model *m, jo_data *d, const jo_stage *stage);   /* accelerations and multipliers with J^T G J */
 
 #endif

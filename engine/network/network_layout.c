@@ -99,10 +99,8 @@ static void read(const jo_force *f, jo_network *w)
     x = read_ints(x, w->rate, w->n);
     x = read_ints(x, w->push, 2 * w->npush);
     read_ints(x, w->slope, 3 * w->nslope);
-    const int time = w->fixed + w->n + 2 * w->m;
-    w->timed = w->nsignal > 0;
-    for (int i = 0; i < 4 * w->values; i++) w->timed |= i % 4 && w->code[i] == time;
-    for (int i = 0; i < w->npush; i++) w->timed |= w->push[2 * i + 1] == time;
+    w->timed = jo_network_depends_on_time(w);
+    w->computed = 0;
 }
 
 void jo_networks_layout(const jo_model *m, jo_data *d, jo_arena *a)
@@ -111,13 +109,16 @@ void jo_networks_layout(const jo_model *m, jo_data *d, jo_arena *a)
     all->count = 0;
     for (int i = 0; i < m->nforce; i++) all->count += jo_is_network(&m->force[i]);
     all->list = (jo_network *)jo_take_many(a, all->count, sizeof *all->list);
+    int most = 0;
     for (int i = 0, k = 0; i < m->nforce; i++) {
         if (!jo_is_network(&m->force[i])) continue;
         jo_network spare, *w = a->base ? &all->list[k++] : &spare;
         w->force = i;
         count(&m->force[i], w);
         take(m, &m->force[i], w, a);
+        most += w->npush < w->m ? w->npush : w->m;
     }
+    jo_network_responses_layout(m, all, most, a);
 }
 
 /* places of the memories of the networks */
@@ -145,4 +146,5 @@ void jo_networks_setup(const jo_model *m, jo_data *d)
             w->link[2 * k + 1] = jo_marker_link(m, d, c->b);
         }
     }
+    jo_network_responses_setup(m, &d->networks);
 }

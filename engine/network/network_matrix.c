@@ -5,31 +5,28 @@
  * Eliminated from the force F(s, s', x) they leave, with P = F_x (1 - g h f_x)^-1, the force F + g h P (f + S) and
  *   K = -(F_s + g h P f_s),  D = -(F_s' + g h P f_s'),  G = g h D + (g h)^2 K,
  * as a spring and damper along the coordinates s has them: g h (K u + D w) - G J v_i', u = J (-r_i - sum s_ij r_j - g h sum z_ij v_j'),
- * w = -J sum s_ij v_j'. The derivatives and J are those of the first stage. J^T G J enters Newton's matrix of coupled_mass.c, or the
- * equations of a tree in tree_contacts.c. */
+ * w = -J sum s_ij v_j'. The derivatives and J are those of the first stage. J^T G J is accounted for after the accelerations without it
+ * (network_response.c), enters Newton's matrix of coupled_mass.c, or the equations of a tree in tree_contacts.c. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "tree/tree.h"
 #include "network/network.h"
 
-/* derivatives of the rate of coordinate k with respect to the velocities of one side, in maximal coordinates */
-static void side_jacobian(const jo_model *m, jo_data *d, jo_network *w, int k, int side)
+/* Derivatives of the rate of coordinate k with respect to the velocities of the bodies, in maximal coordinates: those of the virtual work of a
+ * unit force along it */
+static void find_jacobian(const jo_model *m, jo_data *d, jo_network *w, int k)
 {
-    static const jo_stage derivatives = {.weights = {1.0, 1.0, 0.0, 1.0, 0, 1}};
     const jo_coordinate *c = &m->coordinate[w->coordinate[k]];
-    const jo_coordinate_work *x = &d->coordinate[w->coordinate[k]];
-    const int marker = side ? c->b : c->a, body = m->marker[marker].body, n = jo_marker_velocities(m, marker);
-    w->count[2 * k + side] = n;
-    if (!n) return;
-    w->at[2 * k + side] = m->body[body].iv;
-    jo_newton_marker(m, d, &derivatives, marker);
-    const jo_real *L = jo_marker_derivatives(d, marker), *turn = side ? x->turn_b : x->turn_a;
-    const int row = jo_pad(n);
-    for (int j = 0; j < n; j++) {
-        jo_real sum = jo_same(0.0);
-        for (int i = 0; i < 3; i++) sum += (side ? 1.0 : -1.0) * x->along[i] * L[i * row + j] + turn[i] * L[(3 + i) * row + j];
-        w->J[2 * k + side][j] = sum;
+    const int marker[2] = {c->a, c->b};
+    jo_clear_changes(m, d);
+    jo_push_change(m, d, w->coordinate[k], jo_same(1.0));
+    for (int side = 0; side < 2; side++) {
+        const int body = m->marker[marker[side]].body, again = side && body == m->marker[c->a].body;
+        w->count[2 * k + side] = again ? 0 : jo_marker_velocities(m, marker[side]);
+        if (!w->count[2 * k + side]) continue;
+        w->at[2 * k + side] = m->body[body].iv;
+        jo_body_change(m, d, body, w->J[2 * k + side]);
     }
 }
 
@@ -57,12 +54,8 @@ static void place(const jo_model *m, jo_data *d, const jo_stage *stage, jo_netwo
     jo_network_response(w, 1.0, gh);
     for (int i = 0; i < w->m * w->m; i++) w->G[i] = gh * (w->D[i] + gh * w->K[i]);
     for (int k = 0; k < w->m; k++) {
-        if (jo_tree_active(d)) {
-            jo_tree_network_jacobian(m, d, w, k);
-            continue;
-        }
-        side_jacobian(m, d, w, k, 0);
-        side_jacobian(m, d, w, k, 1);
+        if (jo_tree_active(d)) jo_tree_network_jacobian(m, d, w, k);
+        else find_jacobian(m, d, w, k);
     }
 }
 
@@ -119,7 +112,7 @@ void jo_networks_state_rates(const jo_model *m, jo_data *d, const jo_stage *stag
     }
 }
 
-static int body_of(const jo_model *m, const jo_network *w, int side)
+int jo_network_body(const jo_model *m, const jo_network *w, int side)
 {
     const jo_coordinate *c = &m->coordinate[w->coordinate[side / 2]];
     return m->marker[side % 2 ? c->b : c->a].body;
@@ -133,7 +126,7 @@ void jo_networks_add_to_newton(const jo_model *m, jo_data *d)
             for (int t = 0; t < 2 * w->m; t++) {
                 const jo_real g = w->G[s / 2 * w->m + t / 2];
                 if (!w->count[s] || !w->count[t] || g == 0.0) continue;
-                const jo_block N = jo_newton_find(m, d, body_of(m, w, s), body_of(m, w, t));
+                const jo_block N = jo_newton_find(m, d, jo_network_body(m, w, s), jo_network_body(m, w, t));
                 for (int k = 0; k < w->count[s]; k++)
                     for (int j = 0; j < w->count[t]; j++) N.at[k * N.stride + j] += w->J[s][k] * g * w->J[t][j];
             }
@@ -148,7 +141,7 @@ void jo_networks_subtract(const jo_model *m, jo_data *d, const jo_real *a)
         multiply(w->G, w->m, w->y, w->F);
         for (int s = 0; s < 2 * w->m; s++) {
             if (!w->count[s]) continue;
-            jo_real *x = jo_newton_vector(d) + jo_newton_place(m, body_of(m, w, s));
+            jo_real *x = jo_newton_vector(d) + jo_newton_place(m, jo_network_body(m, w, s));
             for (int j = 0; j < w->count[s]; j++) x[j] -= w->J[s][j] * w->F[s / 2];
         }
     }

@@ -23,55 +23,93 @@ static jo_real power(jo_real x, jo_real n)
 #define JO_TANH tanh
 #endif
 
-static jo_real result(int operation, jo_real a, jo_real b, jo_real c)
+/* dp/(dp^2 + t^2)^(1/4), the law of an edge: laminar below t, then the root of dp */
+static jo_real edge(jo_real dp, jo_real t) { return dp / jo_sqrt(jo_sqrt(dp * dp + t * t)); }
+
+/* its derivative, (dp^2/2 + t^2)/(dp^2 + t^2)^(5/4) */
+static jo_real edge_slope(jo_real dp, jo_real t)
 {
-    switch (operation) {
-    case JO_DO_add: return a + b;
-    case JO_DO_subtract: return a - b;
-    case JO_DO_multiply: return a * b;
-    case JO_DO_divide: return a / b;
-    case JO_DO_sqrt: return jo_sqrt(a);
-    case JO_DO_exp: return jo_exp(a);
-    case JO_DO_log: return jo_log(a);
-    case JO_DO_sin: return jo_sin(a);
-    case JO_DO_cos: return jo_cos(a);
-    case JO_DO_atan: return JO_ATAN(a);
-    case JO_DO_tanh: return JO_TANH(a);
-    case JO_DO_power: return power(a, b);
-    case JO_DO_minimum: return JO_RE(a) < JO_RE(b) ? a : b;
-    case JO_DO_maximum: return JO_RE(a) > JO_RE(b) ? a : b;
-    default: return JO_RE(a) > 0.0 ? b : c;   /* JO_DO_select */
-    }
+    const jo_real s = dp * dp, all = s + t * t;
+    return (0.5 * s + t * t) / (all * jo_sqrt(jo_sqrt(all)));
 }
 
 static void run(jo_network *w, int from, int to)
 {
-    const int first = w->registers - w->instructions;
-    for (int i = from; i < to; i++) {
-        const int *k = w->code + 4 * i;
-        if (k[0] >= JO_DO_table) w->outside |= jo_network_table(k[0], w->r + k[2], w->r[k[1]], w->r[k[3]], &w->r[first + i]);
-        else w->r[first + i] = result(k[0], w->r[k[1]], w->r[k[2]], w->r[k[3]]);
+    const jo_real *const r = w->r;
+    jo_real *y = w->r + w->registers - w->instructions + from;
+    const int *const end = w->code + 4 * to;
+    for (const int *k = w->code + 4 * from; k < end; k += 4, y++) {
+        const jo_real a = r[k[1]], b = r[k[2]];
+        switch (k[0]) {
+        case JO_DO_add: *y = a + b; break;
+        case JO_DO_subtract: *y = a - b; break;
+        case JO_DO_multiply: *y = a * b; break;
+        case JO_DO_divide: *y = a / b; break;
+        case JO_DO_sqrt: *y = jo_sqrt(a); break;
+        case JO_DO_exp: *y = jo_exp(a); break;
+        case JO_DO_log: *y = jo_log(a); break;
+        case JO_DO_sin: *y = jo_sin(a); break;
+        case JO_DO_cos: *y = jo_cos(a); break;
+        case JO_DO_atan: *y = JO_ATAN(a); break;
+        case JO_DO_tanh: *y = JO_TANH(a); break;
+        case JO_DO_power: *y = power(a, b); break;
+        case JO_DO_minimum: *y = JO_RE(a) < JO_RE(b) ? a : b; break;
+        case JO_DO_maximum: *y = JO_RE(a) > JO_RE(b) ? a : b; break;
+        case JO_DO_select: *y = JO_RE(a) > 0.0 ? b : r[k[3]]; break;
+        case JO_DO_edge: *y = edge(a, b); break;
+        case JO_DO_edge_slope: *y = edge_slope(a, b); break;
+        default: w->outside |= jo_network_table(k[0], r + k[2], a, r[k[3]], y);
+        }
     }
+}
+
+/* Marks results that depend on time or signals, and returns whether a force does. Registers of inputs and results are overwritten. */
+int jo_network_depends_on_time(jo_network *w)
+{
+    const int inputs = w->fixed, time = inputs + w->n + 2 * w->m, memories = time + 1 + 2 * w->nsignal, first = w->registers - w->instructions;
+    int depends = 0;
+    for (int i = inputs; i < first; i++) w->r[i] = jo_same(i >= time && i < memories ? 1.0 : 0.0);
+    for (int i = 0; i < w->values; i++) {
+        const int *k = w->code + 4 * i;
+        int any = 0;
+        for (int j = 1; j < 4; j++) any |= k[j] >= inputs && JO_RE(w->r[k[j]]) > 0.0;
+        w->r[first + i] = jo_same(any ? 1.0 : 0.0);
+    }
+    for (int i = 0; i < w->npush; i++) depends |= w->push[2 * i + 1] >= inputs && JO_RE(w->r[w->push[2 * i + 1]]) > 0.0;
+    return depends;
+}
+
+/* x into a register; whether it was there */
+static inline int set(jo_real *r, jo_real x)
+{
+    const int there = *r == x;
+    *r = x;
+    return there;
 }
 
 void jo_network_evaluate(const jo_model *m, const jo_data *d, jo_network *w, const jo_real *x, double lead, int derivatives)
 {
     jo_real *r = w->r + w->fixed;
-    for (int i = 0; i < w->n; i++) *r++ = x[i];
-    for (int i = 0; i < w->m; i++) *r++ = d->coordinate[w->coordinate[i]].value;
-    for (int i = 0; i < w->m; i++) *r++ = d->coordinate[w->coordinate[i]].rate;
-    *r++ = d->time[0] + lead;
+    int same = 1;   /* results of the same inputs are there already */
+    for (int i = 0; i < w->n; i++) same &= set(r++, x[i]);
+    for (int i = 0; i < w->m; i++) same &= set(r++, d->coordinate[w->coordinate[i]].value);
+    for (int i = 0; i < w->m; i++) same &= set(r++, d->coordinate[w->coordinate[i]].rate);
+    same &= set(r++, d->time[0] + lead);
     for (int i = 0; i < w->nsignal; i++) {
         const jo_signal_work y = jo_signal_at(m, d, w->signal[i], d->time[0] + lead);
-        r[i] = y.value;
-        r[w->nsignal + i] = y.rate;
+        same &= set(r + i, y.value);
+        same &= set(r + w->nsignal + i, y.rate);
     }
     r += 2 * w->nsignal;
-    for (int i = 0; i < w->memories; i++) *r++ = jo_states(m, d)[w->memory[i]];
-    w->outside = 0;
-    run(w, 0, w->values);
-    if (!derivatives) return;
+    for (int i = 0; i < w->memories; i++) same &= set(r++, jo_states(m, d)[w->memory[i]]);
+    if (!same || !w->computed) {
+        w->outside = 0;
+        run(w, 0, w->values);
+        w->computed = 1;
+    }
+    if (!derivatives || w->computed > 1) return;
     run(w, w->values, w->instructions);
+    w->computed = 2;
     const int columns = w->n + 2 * w->m;
     for (int i = 0; i < (w->n + w->m) * columns; i++) w->S[i] = jo_same(0.0);
     for (int i = 0; i < w->nslope; i++) {

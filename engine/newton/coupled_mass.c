@@ -17,7 +17,7 @@ enum { JO_REFINEMENTS = 2 };   /* number of iterative refinements; each reduces 
 /* whether masses of bodies are coupled: in a Rosenbrock method by the stiffness of beams, else by their consistent mass */
 int jo_couples(const jo_model *m, const jo_stage *stage)
 {
-    if (stage->set && (m->nbeam || stage->contacts)) return 1;
+    if (stage->set && (m->nbeam || (stage->contacts && !stage->separate))) return 1;
     for (int i = 0; i < m->nbeam; i++)
         if (jo_beam_inertial(&m->beam[i])) return 1;
     return 0;

@@ -51,6 +51,11 @@ KNOWN: dict[str, Any] = {
 }
 
 
+def edge_slope(a: float, b: float) -> float:
+    """Derivative of a/(a^2 + b^2)^(1/4)."""
+    return (0.5 * a * a + b * b) / (a * a + b * b) ** 1.25
+
+
 def run(program: Program, x: float, y: float) -> list[float]:
     """Values of all entries for the states x and y."""
     do = {**{k: getattr(math, k) for k in ("sqrt", "exp", "log", "sin", "cos", "atan", "tanh")}}
@@ -63,6 +68,8 @@ def run(program: Program, x: float, y: float) -> list[float]:
         "minimum": min,
         "maximum": max,
         "select": lambda a, b, c: b if a > 0 else c,
+        "edge": lambda a, b: a / (a * a + b * b) ** 0.25,
+        "edge slope": edge_slope,
     }
     out: list[float] = []
     for kind, of in program.nodes:
@@ -208,3 +215,42 @@ def test_compiling_blocks_is_linear_in_their_number(count: int) -> None:
     (system,) = model.forces
     instructions = jo.model.native.header.named("jo_network_data", system.data).instructions
     assert float(instructions) <= 4 * count
+
+
+@pytest.mark.parametrize("x", [-3.0, -0.2, 0.0, 0.5, 7.0])
+def test_first_and_second_derivative_of_an_edge(x: float) -> None:
+    """(x^2 + t^2)^(-1/4) x against complex steps."""
+    program, t = Program(), 0.7
+    edge = program.add("edge", program.leaf("state"), program.number(t))
+    (first,) = program.derivatives(edge).values()
+    (second,) = program.derivatives(first).values()
+    values = run(program, x, 0.0)
+    z = complex(x, STEP)
+    assert values[first] == pytest.approx((z / (z * z + t * t) ** 0.25).imag / STEP, rel=1e-14)
+    slope = (0.5 * z * z + t * t) / (z * z + t * t) ** 1.25
+    assert values[second] == pytest.approx(slope.imag / STEP, rel=1e-13, abs=1e-15)
+
+
+def test_what_rows_share_is_differentiated_once() -> None:
+    """Rows x' = f(x, y) g + 3 y and y' = 2 f(x, y): derivatives as of each row alone, less work."""
+    together, alone = Program(), Program()
+    found = []
+    for program in (together, alone):
+        x, y = program.leaf("state", 0), program.leaf("state", 1)
+        drop = program.add("maximum", program.add("subtract", x, y), program.number(0.1))
+        f = program.add("multiply", program.add("edge", drop, program.number(0.3)), x)
+        g = program.add("add", x, program.number(2.0))
+        rows = [
+            program.add("add", program.add("multiply", f, g), program.add("add", y, y)),
+            program.add("multiply", f, program.number(2.0)),
+        ]
+        slopes = (
+            program.jacobian(rows)
+            if program is together
+            else [program.derivatives(row) for row in rows]
+        )
+        values = run(program, 1.3, 0.4)
+        found.append([{leaf: values[at] for leaf, at in one.items()} for one in slopes])
+    for one, other in zip(*found, strict=True):
+        assert one == pytest.approx(other, rel=1e-14)
+    assert len(together.nodes) < len(alone.nodes)

@@ -70,6 +70,43 @@ def test_poles_of_a_motor(core: str) -> None:
     assert found[:2] == pytest.approx([-1974.678135, -25.42186450], rel=1e-9)
 
 
+def test_many_and_few_forces_agree() -> None:
+    """A stiff force is in Newton's matrix, or corrects accelerations where forces are few: 9 or 1.
+
+    Two bodies with a coordinate that both move in, in a loop of joints; the difference is that of
+    the two forms of the second stage, of order 2.
+    """
+    bodies = [jo.RigidBody(n, 1.0 + i, (1, 1, 2), position=(i, 0, 0)) for i, n in enumerate("ab")]
+    turn = jo.Revolute("turn", jo.ground["origin"], bodies[0]["origin"], axis=(0, 0, 1))
+    slide = jo.Revolute("elbow", bodies[0].at((0.5, 0, 0)), bodies[1].at((-0.5, 0, 0)),
+                        axis=(0, 0, 1))  # fmt: skip
+    way = Distance(jo.ground.at((0.2, -1, 0)), bodies[1].at((0.4, 0.1, 0)))
+    ends = {}
+    for count in (1, 9):
+        lags = [
+            States(
+                f"lag{i}",
+                {"F": 0.0},
+                {"F": f"({3000 / count}*(1 - s) - F)/1e-5"},
+                inputs={"s": value(way)},
+                forces={way: "F"},
+            )
+            for i in range(count)
+        ]
+        place = jo.CoordinateSensor("s", way)
+        model = jo.compile(
+            jo.Mechanism(*bodies, turn, slide, *lags, place, jo.Gravity((0, -9.81, 0))),
+            core="maximal",
+        )
+        ends[count] = [
+            jo.simulate(model, 0.05, solver=jo.ROS2(h))["s"][-1, 0] for h in (1e-3, 5e-4, 2.5e-4)
+        ]
+    differences = np.abs(np.subtract(ends[1], ends[9]))
+    assert 0.0 < differences[1] < differences[0] / 3.5
+    assert differences[2] < differences[1] / 3.5
+    assert differences[2] < 1e-6
+
+
 def test_stiff_states_do_not_limit_the_step_of_implicit_methods() -> None:
     """Lag of 1 us: the time constant is 1e-3 of a step; RK4 diverges with this step."""
     body = jo.RigidBody("cart", 1.0, (1, 1, 1))

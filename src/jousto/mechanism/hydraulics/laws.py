@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from jousto.mechanism.states.expression import clip, sqrt, where
+from jousto.mechanism.states.expression import clip, edge_flow, where
 
 SMOOTHED = 0.01
 """Share of the stroke of a spool over which an edge begins to open."""
@@ -13,7 +13,7 @@ SMOOTHED = 0.01
 
 def edge(dp: Any, transition: float) -> Any:
     """Return ``dp/(dp^2 + t^2)^(1/4)``: laminar below t, then ``sqrt(dp)``."""
-    return dp / sqrt(sqrt(dp * dp + transition * transition))
+    return edge_flow(dp, transition)
 
 
 def coefficient(flow: float, drop: float) -> float:

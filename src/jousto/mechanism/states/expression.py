@@ -205,6 +205,11 @@ def tanh(x: Any) -> Expression:
     return _function("tanh", x)
 
 
+def edge_flow(dp: Any, transition: float) -> Expression:
+    """Return ``dp/(dp^2 + t^2)^(1/4)``, t a number: laminar below t, then ``sqrt(dp)``."""
+    return _function("edge", dp, transition)
+
+
 def minimum(a: Any, b: Any) -> Expression:
     """Return the smaller one of two expressions."""
     return _function("minimum", a, b)

@@ -7,6 +7,7 @@ Equal operations are stored once. Derivatives follow by the chain rule, backward
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
@@ -16,6 +17,9 @@ Of: TypeAlias = tuple[int, ...] | int | float | complex
 BLOCK = "numbers"
 """Kind of a leaf of several numbers: a table."""
 LEAVES = ("state", "value", "rate", "time", "signal", "signal rate", "memory")
+
+FEW = 4
+"""Most derivatives of an entry that several rows need and that is differentiated once."""
 
 FOLDED: dict[str, Callable[..., float]] = {
     "add": lambda a, b: a + b,
@@ -33,6 +37,7 @@ FOLDED: dict[str, Callable[..., float]] = {
     "minimum": min,
     "maximum": max,
     "select": lambda a, b, c: b if a > 0 else c,
+    "edge": lambda a, b: a / (a * a + b * b) ** 0.25,
 }
 """The operations of the engine (``jo_do``) on numbers."""
 
@@ -95,7 +100,9 @@ class Program:
         if operation == "multiply":
             if a == 0.0 or b == 0.0:
                 return self.number(0.0)
-            return parts[1] if a == 1.0 else parts[0] if b == 1.0 else None
+            if a == 1.0 or b == 1.0:
+                return parts[1] if a == 1.0 else parts[0]
+            return self._switched(*parts)
         if operation == "divide":
             return self.number(0.0) if a == 0.0 else parts[0] if b == 1.0 else None
         if operation == "power":
@@ -105,6 +112,25 @@ class Program:
         if operation == "select" and parts[1] == parts[2]:
             return parts[1]
         return None
+
+    def _switched(self, factor: int, switch: int) -> int | None:
+        """Return a factor that is switched on or off: times a selection of 1 or 0; else None."""
+        kind, of = self.nodes[switch]
+        if kind != "select" or not isinstance(of, tuple):
+            return None
+        one, none = (self._value(part) for part in of[1:])
+        if (one, none) == (1.0, 0.0):
+            return self.add("select", of[0], factor, of[2])
+        return self.add("select", of[0], of[1], factor) if (one, none) == (0.0, 1.0) else None
+
+    def _edge_curvature(self, a: int, b: int) -> int:
+        """Return the second derivative of an edge, ``-(a^2/4 + 3 b^2/2) g/(a^2 + b^2)^2``."""
+        s, t = self.add("multiply", a, a), self.add("multiply", b, b)
+        own = self.add("multiply", self.number(-0.25), s)
+        other = self.add("multiply", self.number(-1.5), t)
+        both = self.add("add", s, t)
+        top = self.add("multiply", self.add("add", own, other), self.add("edge", a, b))
+        return self.add("divide", top, self.add("multiply", both, both))
 
     def _partial(self, node: int, parts: tuple[int, ...]) -> tuple[int, ...]:
         """Return the derivatives of an operation with respect to its operands."""
@@ -146,6 +172,10 @@ class Program:
             case "maximum":
                 more = self.add("subtract", a, b)
                 return self.add("select", more, one, none), self.add("select", more, none, one)
+            case "edge":
+                return self.add("edge slope", a, b), none  # b, the transition, is a number
+            case "edge slope":
+                return self._edge_curvature(a, b), none
             case "table":
                 return self.add("table x", *parts), none
             case "map":
@@ -170,21 +200,50 @@ class Program:
         dict
             Entries of the derivatives that are not 0 by kind and index of the leaf.
         """
+        return self._backwards(node, leaves, {})
+
+    def jacobian(self, rows: Sequence[int]) -> list[dict[tuple[str, int], int]]:
+        """Return the derivatives of some entries with respect to states, values and rates.
+
+        What several rows need, such as a flow between two nodes, is differentiated once, and each
+        row multiplies its few derivatives.
+        """
+        leaves = ("state", "value", "rate")
+        needed = Counter(at for row in set(rows) for at in self.below([row]))
+        shared = [at for at, count in needed.items() if count > 1]
+        below: dict[int, dict[tuple[str, int], int]] = {}
+        for at in sorted(shared):
+            if isinstance(self.nodes[at][1], tuple):
+                found = self._backwards(at, leaves, below)
+                if len(found) <= FEW:
+                    below[at] = found
+        return [self._backwards(row, leaves, below) for row in rows]
+
+    def _backwards(
+        self, node: int, leaves: tuple[str, ...], known: dict[int, dict[tuple[str, int], int]]
+    ) -> dict[tuple[str, int], int]:
+        """Return the derivatives of an entry, with known ones of some entries below it."""
         slope = {node: self.number(1.0)}
         found: dict[tuple[str, int], int] = {}
         for at in sorted(self.below([node]), reverse=True):
             if at not in slope:
                 continue
             kind, of = self.nodes[at]
-            if isinstance(of, tuple):
+            if at in known:
+                for leaf, own in known[at].items():
+                    more = self.add("multiply", slope[at], own)
+                    found[leaf] = self.add("add", found[leaf], more) if leaf in found else more
+            elif isinstance(of, tuple):
                 for part, own in zip(of, self._partial(at, of), strict=False):
                     more = self.add("multiply", slope[at], own)
                     before = slope.get(part)
                     slope[part] = more if before is None else self.add("add", before, more)
             elif kind in leaves and self._value(slope[at]) != 0.0:
                 assert isinstance(of, int)
-                found[kind, of] = slope[at]
-        return found
+                before = found.get((kind, of))
+                more = slope[at]
+                found[kind, of] = more if before is None else self.add("add", before, more)
+        return {leaf: own for leaf, own in found.items() if self._value(own) != 0.0}
 
     def below(self, nodes: Iterable[int]) -> set[int]:
         """Return all entries on which some entries depend, with these."""

@@ -281,10 +281,11 @@ class _Assembly:
         kept = [x for one in self.kept for x in (*one.updates, one.margin) if x is not None]
         roots = [*self.rates, *(x for _, x in self.pushes), *self.seen, *kept]
         self._values = self.program.below(roots)
+        jacobian = self.program.jacobian([node for _, node in rows])
         self.slopes = [
             (row, first[kind] + index, slope)
-            for row, node in rows
-            for (kind, index), slope in self.program.derivatives(node).items()
+            for (row, _), found in zip(rows, jacobian, strict=True)
+            for (kind, index), slope in found.items()
         ]
 
     def _lay_out(self) -> None:
