@@ -70,6 +70,7 @@ def calls(folder: Path) -> dict[str, Call]:
         _twins,
         _states,
         _hydraulics,
+        _electric,
         _studies,
         _design,
         _robots,
@@ -770,6 +771,25 @@ def _hydraulics(made: Made, _: Path) -> list[Call]:
         (h.HydraulicMotor, {"name": "s", "a": "T", "b": "A", "displacement": 1e-6, "speed": 1.0}),
         (h.Accumulator, {"name": "s", "port": "A", "volume": 1e-3, "precharge": 1e6}),
         (h.Hose, {"name": "s", "a": "A", "b": "B", "length": 1.0, "diameter": 0.01}),
+    ]
+
+
+def _electric(made: Made, _: Path) -> list[Call]:
+    e = jo.electric
+    hinge = made["mechanism"].joints[0]
+    rotor = jo.RigidBody("rotor", 1.0, (1, 1, 1))
+    axle = jo.Revolute("axle", jo.ground["origin"], rotor["origin"])
+    shaft: dict[str, Any] = {"name": "s", "shaft": hinge.angle, "resistance": 0.5}
+    plate = {"inductance_d": 2e-3, "inductance_q": 3e-3, "flux": 0.08, "pole_pairs": 4}
+    control = {"current": 1.0, "bandwidth": 1e3}
+    gear = {"motor": axle.angle, "coordinate": hinge.angle, "ratio": 20.0, "stiffness": 1e5}
+    brake = {"coordinate": hinge.angle, "torque": 12.0, "stiffness": 1e5}
+    return [
+        (e.DCMotor, shaft | {"voltage": 12.0, "inductance": 1e-3, "constant": 0.1}),
+        (e.SynchronousMotor, shaft | plate | control),
+        (e.Gear, {"name": "s"} | gear),
+        (e.Brake, {"name": "s"} | brake),
+        (e.ThermalLoad, {"name": "s", "current": 1.0, "rated": 4.0, "time": 60.0}),
     ]
 
 

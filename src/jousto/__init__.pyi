@@ -34,7 +34,7 @@ from .materials.material import Material as Material
 from .materials.strength.sn import SN as SN
 from .materials.strength.sn_library import sn_curve as sn_curve
 from .measurement import gauges as gauges, monitor as monitor, twin as twin
-from .mechanism import hydraulics as hydraulics
+from .mechanism import electric as electric, hydraulics as hydraulics
 from .mechanism.beams.body import BeamBody as BeamBody
 from .mechanism.bodies.body import (
     FlexibleBody as FlexibleBody,

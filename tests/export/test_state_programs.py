@@ -14,6 +14,7 @@ from jousto.export.project import write_program
 from jousto.mechanism import (
     BlockForce,
     LookupMap,
+    PIDController,
     Play,
     Relay,
     Sampled,
@@ -130,3 +131,49 @@ def test_a_program_has_samples_play_relays_and_tables(
     assert np.abs(found - want).max() < 1e-9 * np.abs(want).max()
     assert {0.0, 2.0} == set(run["relay.y"][:, 0].tolist())
     assert run["control.n"][-1, 0] == 34.0
+
+
+@pytest.mark.parametrize(("core", "method"), [("joint", "ROS2"), ("maximal", "GeneralizedAlpha")])
+def test_a_program_has_an_electric_drive(tmp_path: Path, core: str, method: str) -> None:
+    """Motor with current control and weakening, gear with backlash and losses, brake."""
+    rotor, drum = (jo.RigidBody(n, 1.0, (J,) * 3) for n, J in (("rotor", 1e-3), ("drum", 1.0)))
+    origin = jo.ground["origin"]
+    shaft, axle = (
+        jo.Revolute(f"{x.name} axle", origin, x["origin"], axis=(0, 0, 1)) for x in (rotor, drum)
+    )
+    control = PIDController("pid", 300.0, rate(shaft.angle), kp=1.0, ki=5.0, limit=20.0)
+    motor = jo.electric.SynchronousMotor(
+        *("m", shaft.angle, 0.5, 2e-3, 3e-3, 0.08, 4),
+        current=control["u"],
+        bandwidth=1e3,
+        dc_voltage=100.0,
+        largest_current=20.0,
+        weakening=True,
+        strategy="least-current",
+    )
+    gear = jo.electric.Gear(
+        *("g", shaft.angle, axle.angle, 20.0, 1e4, 50.0), backlash=0.004, efficiency=0.8
+    )
+    release = jo.Table([0.0, 0.09, 0.1], [1.0, 1.0, 0.0])
+    brake = jo.electric.Brake("b", shaft.angle, 15.0, 1e4, release=release, damping=1.0)
+    load = jo.electric.ThermalLoad("t", motor["amplitude"], 10.0, 0.1, trips=True)
+    seen = ("iq", "id", "torque"), ("torque", "windup"), ("torque",), ("load", "tripped")
+    sensors = [
+        StateSensor(f"{block.name} {name}", block[name])
+        for block, names in zip((motor, gear, brake, load), seen, strict=True)
+        for name in names
+    ]
+    joints = rotor, drum, shaft, axle
+    blocks = control, motor, gear, brake, load
+    weight = jo.JointForce("weight", axle.angle, -50.0)
+    model = jo.compile(jo.Mechanism(*joints, *blocks, weight, *sensors, core=core))
+    solver = getattr(jo, method)(step=2e-4)
+    write_program(model, tmp_path / "drive.c", solver)
+    found = table_of(compiled(tmp_path, "drive.c", flags=(*PLAIN, "-DMAIN")), "0.14", "10")
+    run = jo.simulate(model, 0.14, solver=solver, output_step=0.014)
+    want = expected(model, run)
+    scale = np.abs(want).max(axis=0)
+    assert (np.abs(found - want).max(axis=0) <= 1e-8 * scale).all()
+    assert run["t tripped"][-1, 0] == 1.0
+    assert run["m id"].min() < -1.0
+    assert run["b torque"].min() < -10.0

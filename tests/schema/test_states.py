@@ -282,3 +282,85 @@ def test_what_is_wrong_in_a_network_is_named(old: str, new: str, message: str) -
     assert old in OIL
     with pytest.raises(InputError, match=message):
         jo.compile(parse_model(OIL.replace(old, new)).mechanism)
+
+
+DRIVE = """
+bodies:
+  - {name: rotor, mass: 1, inertia: [1e-3, 1e-3, 1e-3]}
+  - {name: drum, mass: 50, inertia: [1, 1, 1]}
+joints:
+  - {type: revolute, name: shaft, a: ground.origin, b: rotor.origin, axis: [0, 0, 1]}
+  - {type: revolute, name: axle, a: ground.origin, b: drum.origin, axis: [0, 0, 1]}
+states:
+  - {type: pid, name: speed, reference: 50 rad/s, measured: rate(shaft.angle), kp: 1, ki: 10,
+     limit: 20, actual: motor.wanted_q}
+  - {type: synchronous-motor, name: motor, shaft: shaft.angle, resistance: 500 mohm,
+     inductance_d: 2 mH, inductance_q: 3 mH, flux: 0.08 V s, pole_pairs: 4, bandwidth: 1000 rad/s,
+     current: "clip(speed.u, -heat.limit, heat.limit)", dc_voltage: 300 V, largest_current: 20 A,
+     strategy: least-current, weakening: true}
+  - {type: thermal-load, name: heat, current: motor.amplitude, rated: 8 A, time: 1 min,
+     largest: 20 A, trips: true}
+  - {type: gear, name: gear, motor: shaft.angle, coordinate: axle.angle, ratio: 20,
+     stiffness: 1e5 N m/rad, damping: 100 N m s/rad, backlash: 0.1 deg, efficiency: 90 %}
+  - {type: brake, name: brake, coordinate: shaft.angle, torque: 12 N m, stiffness: 1e4 N m/rad,
+     release: {type: ramp, start: 0, end: 10 ms}, lag: 30 ms}
+  - {type: dc-motor, name: fan, shaft: axle.angle, voltage: 12 V, resistance: 1 ohm,
+     inductance: 0.5 mH, constant: 0.05 N m/A, ratio: -3}
+sensors:
+  - {type: state, name: torque, of: motor.torque, unit: N m}
+  - {type: state, name: load, of: heat.load}
+  - {type: state, name: i, of: fan.current, unit: A}
+  - {type: state, name: e, of: gear.windup, unit: rad}
+"""
+
+
+def test_electric_drives_equal_the_python_constructors() -> None:
+    read = parse_model(DRIVE).mechanism
+    shaft, axle = read.joints
+    e, q = jo.electric, shaft.angle
+    gains = {"kp": 1.0, "ki": 10.0, "limit": 20.0}
+    pid = jo.mechanism.PIDController("speed", 50.0, rate(q), actual="motor.wanted_q", **gains)
+    plate = (0.5, 2e-3, 3e-3, 0.08, 4)
+    motor = e.SynchronousMotor(
+        *("motor", q, *plate),
+        current="clip(speed.u, -heat.limit, heat.limit)",
+        bandwidth=1000.0,
+        dc_voltage=300.0,
+        largest_current=20.0,
+        strategy="least-current",
+        weakening=True,
+    )
+    heat = e.ThermalLoad("heat", motor["amplitude"], 8.0, 60.0, largest=20.0, trips=True)
+    gear = e.Gear(
+        *("gear", q, axle.angle, 20.0, 1e5, 100.0), backlash=np.deg2rad(0.1), efficiency=0.9
+    )
+    brake = e.Brake("brake", q, 12.0, 1e4, release=jo.Ramp(0.0, 0.01), lag=0.03)
+    fan = e.DCMotor("fan", axle.angle, 12.0, 1.0, 0.5e-3, 0.05, ratio=-3.0)
+    blocks = pid, motor, heat, gear, brake, fan
+    sensors = [
+        StateSensor("torque", motor["torque"], unit="N m"),
+        StateSensor("load", heat["load"]),
+        StateSensor("i", fan["current"], unit="A"),
+        StateSensor("e", gear["windup"], unit="rad"),
+    ]
+    made = jo.Mechanism(*read.bodies, shaft, axle, *blocks, *sensors)
+    runs = [jo.simulate(jo.compile(one), 0.1, solver=jo.ROS2(1e-3)) for one in (read, made)]
+    for name in ("torque", "load", "i", "e"):
+        assert np.abs(runs[0][name] - runs[1][name]).max() <= 1e-9 * np.abs(runs[0][name]).max()
+        assert abs(runs[0][name][-1, 0]) > 1e-6
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("2 mH", "2 mm", "inductance_d"),
+        ("strategy: least-current", "strategy: least", "strategy"),
+        ("motor.amplitude", "motor.amplitud", "needs 'amplitud' of block 'motor'"),
+        ("motor: shaft.angle", "motor: shft.angle", "shft"),
+        ("bandwidth: 1000 rad/s,", "", "bandwidth of the current control is missing"),
+    ],
+)
+def test_what_is_wrong_of_drives_is_named(old: str, new: str, message: str) -> None:
+    assert old in DRIVE
+    with pytest.raises(InputError, match=message):
+        jo.compile(parse_model(DRIVE.replace(old, new)).mechanism)

@@ -93,7 +93,14 @@ RobotEntry: Any = Annotated[Any, EntryOf("jousto.robots.in_mechanism", "RobotInM
 ElasticJointEntry: Any = Annotated[Any, EntryOf("jousto.mechanism.elastic_joint", "ElasticJoint")]
 OptimisationEntry: Any = Annotated[Any, EntryOf("jousto.schema.optimisation", "Optimisation")]
 ForceEntry: Any = one_of("forces", "jousto.mechanism.forces")
-StatesEntry: Any = one_of("states", ("jousto.mechanism.states", "jousto.mechanism.hydraulics"))
+StatesEntry: Any = one_of(
+    "states",
+    (
+        "jousto.mechanism.states",
+        "jousto.mechanism.hydraulics",
+        "jousto.mechanism.electric",
+    ),
+)
 
 
 class ParameterEntry(Entry):
