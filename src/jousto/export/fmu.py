@@ -156,6 +156,8 @@ def why_not_exchanged(model: Model) -> str:
         return "stick-slip friction changes its state at its own steps"
     if model.meters:
         return "damage is counted at its own steps"
+    if found := next((one for one in model.forces if one.law.yields and one.states), None):
+        return f"states of {found.name} change at the ends of its own steps"
     return ""
 
 

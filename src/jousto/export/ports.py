@@ -204,12 +204,12 @@ def _function_units(model: Model, force: ForceModel) -> Iterator[tuple[int, str]
 
 
 def state_units(model: Model) -> list[str]:
-    """Return the units of the states of forces."""
+    """Return the units of the states of forces, 1 for those of equations of the user."""
     return [
         unit_along(unit, _angular(model, force.coordinate))
         for force in model.forces
         if force.states
-        for unit in law_in(force).states.values()
+        for unit in law_in(force).states.values() or ("1",) * force.states
     ]
 
 
