@@ -273,6 +273,7 @@ def check(model: Model, core: Core = None, trust: Trust = False) -> None:
     for sentence in diagnosis.warnings:
         warnings.warn(JoustoWarning(sentence), stacklevel=1)
     if settings is not None:
+        from jousto.simulation.running.closed_contacts import closed_contact_warning
         from jousto.simulation.solvers.bounded_work import check_bounded
         from jousto.simulation.solvers.default_solver import choose
         from jousto.simulation.solvers.schedule import schedule
@@ -288,9 +289,12 @@ def check(model: Model, core: Core = None, trust: Trust = False) -> None:
             from jousto.simulation.cosimulation.requirements import check_coupling
 
             check_coupling(compiled, solver, steps, None, None)
-        sentence = stability_warning(compiled, solver, steps.step)
-        if sentence:
-            warnings.warn(JoustoWarning(f"{model.name}: simulation: {sentence}"), stacklevel=1)
+        for sentence in (
+            stability_warning(compiled, solver, steps.step),
+            closed_contact_warning(compiled, solver, steps.step),
+        ):
+            if sentence:
+                warnings.warn(JoustoWarning(f"{model.name}: simulation: {sentence}"), stacklevel=1)
     say(f"{model.name}: ok", style="green")
 
 

@@ -16,7 +16,6 @@ from jousto.mechanism.forces.springs import CurveField
 from jousto.mechanism.joints.coordinate import Along, Coordinate
 from jousto.mechanism.signals.base import Constant
 from jousto.mechanism.signals.piecewise import Table
-from jousto.robots.in_mechanism import RobotInMechanism
 
 if TYPE_CHECKING:
     from jousto.mechanism.forces.base import ForceElement
@@ -74,12 +73,15 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
             rows += force.facts
         else:
             rows.append((f"{force.kind} {force.name}", given(force)))
-    for robot in mechanism.assemblies:
-        if isinstance(robot, RobotInMechanism) and robot.contact:
-            rows += [
-                (name.replace("shape ", f"shape {robot.prefix}"), text)
-                for name, text in robot.robot.shape_facts
-            ]
+    if mechanism.assemblies:
+        from jousto.robots.in_mechanism import RobotInMechanism  # slow to import
+
+        for robot in mechanism.assemblies:
+            if isinstance(robot, RobotInMechanism) and robot.contact:
+                rows += [
+                    (name.replace("shape ", f"shape {robot.prefix}"), text)
+                    for name, text in robot.robot.shape_facts
+                ]
     for block in mechanism.blocks:
         names = ", ".join(block.starts) or "no states"
         outputs = ", ".join(block.outputs)

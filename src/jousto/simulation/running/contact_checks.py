@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from jousto.base.errors import warn
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, refuse_dense
-from jousto.simulation.contacts import resolved_by
+from jousto.simulation.contacts import contacts, resolved_by
 from jousto.simulation.solvers.base import Solver
 
 PROVEN = "missed: 0 (proven)"
@@ -13,10 +14,18 @@ SHOWN = 3
 """Largest number of steps that the report lists."""
 
 
-def check_contacts(model: Model, solver: Solver) -> None:
-    """Refuse an implicit method for more bodies that touch one another than its matrix couples."""
+def check_contacts(model: Model, solver: Solver, step: float) -> None:
+    """Refuse an implicit method for more bodies that touch one another than its matrix couples.
+
+    Warn of contacts at rest that are far stiffer than the step of an explicit method.
+    """
     if solver.needs_tangent:
         refuse_dense(model)
+    elif contacts(model):
+        from jousto.simulation.running.closed_contacts import closed_contact_warning  # few need it
+
+        if sentence := closed_contact_warning(model, solver, step):
+            warn(f"simulate {model.name!r}", sentence)
 
 
 def contact_facts(engine: Engine) -> dict[str, str]:

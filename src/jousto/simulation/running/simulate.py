@@ -172,7 +172,7 @@ def simulate(
     for sentence in cautions(model, solver, plan):
         warn(f"simulate {model.name!r}", sentence)
     log.info("%s: %r in %d steps to %g s", model.name, solver, plan.steps, t_end)
-    check_contacts(model, solver)
+    check_contacts(model, solver, plan.step)
     engine = Engine(model)
     if state is None:
         _warn_at_rest(model)
