@@ -41,6 +41,7 @@ def test_no_machine_is_missing() -> None:
         "crane_hydraulics",
         "quadruped",
         "railway_wheel",
+        "robot_axis_drive",
         "crane_twin",
         "flexible_pendulum",
         "link_arm",
