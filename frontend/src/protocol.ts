@@ -79,6 +79,16 @@ export interface Symbol {
   size: number | null;
   sensor: string | null;
   text: string;
+  cylinder?: Cylinder | null;
+}
+
+/** Sizes of a hydraulic cylinder, m, and the sensors of the pressures on the piston and the rod side. */
+export interface Cylinder {
+  bore: number;
+  rod: number;
+  closed: number;
+  stroke: number;
+  pressures: [string, string];
 }
 
 export interface Sensor {

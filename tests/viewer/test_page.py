@@ -15,6 +15,7 @@ import pytest
 import jousto as jo
 from viewer.browser import chromium, opened, until
 from viewer.machines import HIGH, answers, mechanism, number_of, swing
+from viewer.test_oil import lifted
 from viewer.test_touches import resting
 
 PIXEL = 1.5
@@ -105,6 +106,29 @@ def test_contact_forces_are_drawn_where_bodies_touch(browser: Any) -> None:
         page.evaluate("""() => { const app = window.jousto.app;
             app.store.set({touches: false}); app.view.drawNow(); }""")
         assert {one[2] for one in page.evaluate(near)} == {-1}
+
+
+def test_pressures_colour_the_chambers_of_a_cylinder(browser: Any) -> None:
+    """The piston side has the colour of its pressure, and the legend is in bar."""
+    run = lifted()
+    time = float(run.time[10])
+    with jo_view(run) as view, opened(browser, view.address, viewport=SMALL) as page:
+        loaded = "() => window.jousto.app.view.machines[0].pressures.range[1]"
+        until(page, lambda: bool(page.evaluate(loaded)))
+        at(page, time)
+        assert page.evaluate(loaded) == run["p"].max()
+        # between the foot of the barrel and the piston
+        x, y = pixels(*camera(page), np.array([[0.0, 0.0, 0.08]]))[0]
+        shown = page.evaluate("([x, y]) => window.jousto.pixel(x, y)", [x, y])
+        share = float(run["p"][10, 0] / run["p"].max())
+        ramp = page.evaluate(
+            "s => window.jousto.app.view.ramp('spectrum', 1001)[s]", int(1e3 * share)
+        )
+        other = page.evaluate("() => window.jousto.app.view.ramp('spectrum', 1001)[100]")
+        hue = [np.array(c) / np.linalg.norm(c) for c in (shown, ramp, other)]  # without the light
+        assert hue[0] @ hue[1] > 0.985 > hue[0] @ hue[2]
+        legend = page.locator(".legend.oil").get_attribute("aria-label")
+        assert legend == f"Pressure from 0 to {1e-5 * run['p'].max():.1f} bar"
 
 
 def test_the_deformed_tip_is_where_the_solution_says(shown: Any) -> None:

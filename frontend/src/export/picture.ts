@@ -1,7 +1,7 @@
 /** PNG picture of the view. */
 
 import type { App } from "../app";
-import { legendLook } from "../panels/legend";
+import { legendLook, pressureLook } from "../panels/legend";
 import { caption, dress } from "./compose";
 
 export interface PictureOptions {
@@ -23,7 +23,7 @@ export async function picture(app: App, options: PictureOptions): Promise<Blob> 
   const ctx = canvas.getContext("2d")!;
   ctx.drawImage(image, 0, 0);
   dress(ctx, canvas.height, image.width / app.view.canvas.clientWidth, {
-    legend: legend ? legendLook(app) : null,
+    legend: legend ? (legendLook(app) ?? pressureLook(app)) : null,
     title: legend ? caption(app) : "",
     ends: app.view.axisEnds,
     dark: isDark() && !transparent,

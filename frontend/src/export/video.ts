@@ -1,7 +1,7 @@
 /** WebM video, encoded frame by frame, so that its content does not depend on the computer's speed. */
 
 import type { App } from "../app";
-import { legendLook } from "../panels/legend";
+import { legendLook, pressureLook } from "../panels/legend";
 import { caption, dress } from "./compose";
 import { isDark } from "./picture";
 import type { Picture } from "./webm";
@@ -44,7 +44,7 @@ export async function video(app: App, options: VideoOptions): Promise<Blob | nul
     await app.player.seek(time);
     app.view.drawNow();
     ctx.drawImage(app.view.canvas, 0, 0);
-    const [legend, title] = options.legend ? [legendLook(app), caption(app)] : [null, ""];
+    const [legend, title] = options.legend ? [legendLook(app) ?? pressureLook(app), caption(app)] : [null, ""];
     dress(ctx, h, k, { legend, title, dark: isDark(), ends: app.view.axisEnds });
   };
   const before = app.store.state;

@@ -2,6 +2,7 @@
 
 import { measure } from "../format/measures";
 import { limit, ticks } from "../format/range";
+import type { Unit } from "../format/units";
 import { mark, number, unitFor } from "../format/units";
 import type { App } from "../app";
 import { h } from "./dom";
@@ -23,10 +24,28 @@ export interface LegendLook {
 export function legendLook(app: App): LegendLook | null {
   const { measure: name, range, rangeMode, map, bands, amplification } = app.store.state;
   if (!name || !range) return null;
-  const [low, high] = range;
   const known = measure(name);
-  const unit = unitFor(known.unit, Math.max(Math.abs(low), Math.abs(high)));
-  const count = bands || SHADES;
+  const unit = unitFor(known.unit, Math.max(Math.abs(range[0]), Math.abs(range[1])));
+  const what = app.runs[0].scene.what;
+  const parts = [
+    what === "modes" ? "relative size only" : "",
+    rangeMode === "instant" ? "range of this instant" : rangeMode === "fixed" ? "fixed range" : "",
+    amplification !== 1 ? `deformation × ${number(amplification, 3)}` : "",
+  ];
+  return { title: known.label, unit: unit.label, ...scale(app, range, unit, map, bands || SHADES), note: parts.filter(Boolean).join(", ") };
+}
+
+/** Legend of the pressures of hydraulic cylinders, in bar; null without pressures. */
+export function pressureLook(app: App): LegendLook | null {
+  const { pressures } = app.view.machines[0];
+  const [low, high] = pressures.range;
+  if (!(high > low) || !app.store.state.symbols.force) return null;
+  const unit = { label: "bar", factor: 1e-5 };
+  return { title: "Pressure", unit: unit.label, ...scale(app, [low, high], unit, app.store.state.map, SHADES), note: "of chambers, gauge" };
+}
+
+/** Marks and shades of a range. */
+function scale(app: App, [low, high]: readonly [number, number], unit: Unit, map: string, count: number): Pick<LegendLook, "marks" | "shades"> {
   const shades = app.view.ramp(map, count).map(([r, g, b]) => `rgb(${r} ${g} ${b})`);
   const span = high - low;
   const values =
@@ -41,32 +60,34 @@ export function legendLook(app: App): LegendLook | null {
     if (!end && (share < 0.08 || share > 0.92)) continue;
     marks.push({ share, text: end ? limit(value * unit.factor, span * unit.factor) : mark(value * unit.factor) });
   }
-  const what = app.runs[0].scene.what;
-  const parts = [
-    what === "modes" ? "relative size only" : "",
-    rangeMode === "instant" ? "range of this instant" : rangeMode === "fixed" ? "fixed range" : "",
-    amplification !== 1 ? `deformation × ${number(amplification, 3)}` : "",
-  ];
-  return { title: known.label, unit: unit.label, marks, shades, note: parts.filter(Boolean).join(", ") };
+  return { marks, shades };
 }
 
 export function mountLegend(kit: Kit): void {
   const { app } = kit;
+  const show = legend(app);
+  app.store.watch(["measure", "range", "rangeMode", "map", "bands", "amplification"], () => show(legendLook(app)));
+  if (!app.view.machines[0].pressures.wanted.length) return;
+  const oil = legend(app, "oil");
+  app.view.onDraw(() => oil(pressureLook(app)));
+}
+
+/** Add a legend to the picture; returns the function that shows a look in it. */
+function legend(app: App, name = ""): (look: LegendLook | null) => void {
   const title = h("div", "title");
   const bar = h("div", "bar");
   const marks = h("div", "marks");
   const note = h("div", "note");
   const element = h(
     "div",
-    { class: "legend", attrs: { role: "img" } },
+    { class: `legend ${name}`.trim(), attrs: { role: "img" } },
     title,
     h("div", "scale", bar, marks),
     note,
   );
   app.slots.overlay.append(element);
   let drawn = "";
-  app.store.watch(["measure", "range", "rangeMode", "map", "bands", "amplification"], () => {
-    const look = legendLook(app);
+  return (look) => {
     element.hidden = !look;
     if (!look) return;
     const state = JSON.stringify(look);
@@ -87,5 +108,5 @@ export function mountLegend(kit: Kit): void {
     note.hidden = !look.note;
     const ends = [look.marks[0].text, look.marks[look.marks.length - 1].text];
     element.setAttribute("aria-label", `${look.title} from ${ends[0]} to ${ends[1]} ${look.unit}`);
-  });
+  };
 }

@@ -14,6 +14,7 @@ import { BodyView } from "./body";
 import { Neighbours } from "./picker";
 import type { Shared } from "./shared";
 import { Arrows } from "./symbols/arrows";
+import { Pressures } from "./symbols/pressures";
 import { Symbols } from "./symbols/symbols";
 import { ContactForces, MOST_ARROWS } from "./symbols/touches";
 
@@ -27,6 +28,7 @@ export class Machine {
   readonly bodies: BodyView[];
   readonly symbols: Symbols;
   readonly arrows: Arrows;
+  readonly pressures: Pressures;
   /** Forces of contacts; null for scenes without contacts. */
   readonly touches: ContactForces | null;
   row: ArrayLike<number>;
@@ -53,7 +55,8 @@ export class Machine {
         : new BodyView(body, shared, firstThing + i),
     );
     for (const view of this.bodies) this.group.add(view.group);
-    this.symbols = new Symbols(run.scene, shared, middle, radius, firstThing + this.bodies.length, run.index);
+    this.pressures = new Pressures(run.scene);
+    this.symbols = new Symbols(run.scene, shared, middle, radius, firstThing + this.bodies.length, run.index, this.pressures);
     this.arrows = new Arrows(run.scene, radius);
     const { touches } = run.scene;
     this.touches = touches === null ? null : new ContactForces(touches, radius, run.index, changed, say);
@@ -72,9 +75,14 @@ export class Machine {
           const values = [...live.sensors.data.subarray(first, first + sensor.components.length)];
           first += sensor.components.length;
           arrows.take(sensor.name, [live.time], values.map((value) => [value]));
+          this.pressures.take(sensor.name, [live.time], values);
         }
       });
       return;
+    }
+    for (const name of this.pressures.wanted) {
+      const { time, values } = await source.sensor(run.index, [name], 4000).catch(() => EMPTY);
+      this.pressures.take(name, time.data, values.data);
     }
     for (const { name } of arrows.wanted) {
       // a sensor without numbers has no arrow; the plots show the reason

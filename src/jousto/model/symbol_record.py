@@ -44,6 +44,29 @@ class SymbolPoint:
 
 @described
 @dataclass(frozen=True, eq=False)
+class CylinderShape:
+    """Sizes of a hydraulic cylinder, and the sensors of the pressures of its chambers.
+
+    Attributes
+    ----------
+    bore, rod : float
+        Diameters of the piston and of the rod, m.
+    closed, stroke : float
+        Distance of its points with the rod fully in, and the stroke, m.
+    pressures : tuple of str
+        Names of the sensors of the pressure on the piston side and on the rod side, Pa; empty for
+        a chamber without one.
+    """
+
+    bore: float
+    rod: float
+    closed: float
+    stroke: float
+    pressures: tuple[str, str]
+
+
+@described
+@dataclass(frozen=True, eq=False)
 class SymbolShape:
     """Symbol of a joint, coupling, force, friction, sensor or named point.
 
@@ -66,6 +89,8 @@ class SymbolShape:
         Name of the sensor; empty for other symbols.
     triangles : (nt, 3, 3) array or None
         Surface of a shape that touches, in the frame of its point, m.
+    cylinder : CylinderShape or None
+        Sizes of a hydraulic cylinder.
     """
 
     name: str
@@ -77,6 +102,7 @@ class SymbolShape:
     text: str = ""
     sensor: str = ""
     triangles: Array | None = None
+    cylinder: CylinderShape | None = None
 
 
 NO_TURN = np.eye(3)

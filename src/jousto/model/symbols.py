@@ -23,8 +23,9 @@ from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.sensors.body import SiteSensor
 from jousto.mechanism.sensors.bridge import Bridge
 from jousto.mechanism.sensors.gauge import Attached
+from jousto.mechanism.sensors.state import StateSensor
 from jousto.mechanism.states.block import Block
-from jousto.model.symbol_record import NO_TURN, SymbolPoint, SymbolShape
+from jousto.model.symbol_record import NO_TURN, CylinderShape, SymbolPoint, SymbolShape
 
 MOST_SITES = 32  # maximum number of stress sites with a symbol
 
@@ -37,6 +38,11 @@ def symbols(mechanism: Mechanism, index: Mapping[int, int]) -> tuple[SymbolShape
         *map(make.coupling, mechanism.couplings),
         *map(make.force, mechanism.forces),
         *(make.block(block) for block in mechanism.blocks if block.symbol),
+        *(
+            make.cylinder(block, one, mechanism.sensors)
+            for block in mechanism.blocks
+            for one in block.cylinders
+        ),
         *map(make.friction, mechanism.frictions),
         *(symbol for sensor in mechanism.sensors for symbol in make.sensor(sensor)),
         *(symbol for body in mechanism.bodies for symbol in make.named(body)),
@@ -84,6 +90,28 @@ class SymbolMaker:
             self.point(at) if isinstance(at, Marker) else self.place(*at) for at in block.drawn_at
         )
         return SymbolShape(block.name, block.symbol, "force", points, text=_text(block))
+
+    def cylinder(self, network: Block, one: Any, sensors: Sequence[Sensor]) -> SymbolShape:
+        """Return the symbol of a hydraulic cylinder; sensors of its nodes colour its chambers."""
+        read = {
+            str(sensor.of): sensor.name for sensor in sensors if isinstance(sensor, StateSensor)
+        }
+        nodes = [f"{network.name}.{node}" for node in (one.piston, one.rod_side)]
+        known = [read.get(node, "") for node in nodes]
+        bore, rod, closed, stroke = (
+            float(np.real(x)) for x in (one.bore, one.rod, one.closed, one.stroke)
+        )
+        outputs = {f"{network.name}.{output}" for output in network.outputs}  # not those of tanks
+        missing = [node for node in nodes if node in outputs and node not in read]
+        hint = f"; a StateSensor of {' and '.join(missing)} colours it" if missing else ""
+        return SymbolShape(
+            f"{network.name}.{one.name}",
+            "hydraulic-cylinder",
+            "force",
+            (self.point(one.a), self.point(one.b)),
+            text=f"cylinder '{one.name}' of {network.kind} '{network.name}'{hint}",
+            cylinder=CylinderShape(bore, rod, closed, stroke, (known[0], known[1])),
+        )
 
     def friction(self, friction: Friction) -> SymbolShape:
         """Return the symbol of friction, at its joint."""

@@ -39,6 +39,7 @@ def drawn_symbols(
                 sensor=one.sensor or None,
                 text=one.text,
                 fixed=one.fixed,
+                cylinder=one.cylinder,
             )
         )
     return tuple(symbols), tuple(marks)

@@ -1,6 +1,7 @@
 /** Shapes of each kind of joint, force, sensor and support. */
 
 import * as THREE from "three";
+import type { Cylinder } from "../../protocol";
 import type { Shape } from "./glyphs";
 
 /** Placement of a symbol: its points and the axes of its first body. */
@@ -237,6 +238,25 @@ const moving: Kind = (s, draw) => {
 
 const point: Kind = (s, draw) => ball(draw, s.points[0], 0.26 * s.size, "sensor");
 
+/** Parts of a hydraulic cylinder along its line, m: the barrel from the first point, and the piston in it. */
+export function cylinderParts(length: number, { closed, stroke }: { closed: number; stroke: number }): { barrel: number; piston: number } {
+  const barrel = Math.min(Math.max(closed, 1e-9), length);
+  const spare = Math.max(0, (barrel - stroke) / 2);
+  return { barrel, piston: Math.max(0, Math.min(barrel, spare + length - closed)) };
+}
+
+/** Hydraulic cylinder to scale; the two draw functions have the colours of its chambers. */
+export function hydraulicCylinder(s: Situation, draw: Draw, [piston, rod]: [Draw, Draw], sizes: Cylinder): void {
+  const { a, along, length } = span(s);
+  const { barrel, piston: at } = cylinderParts(length, sizes);
+  const radius = 0.55 * sizes.bore;
+  if (at > 0) bar(piston, "cylinder", a, along, at, radius, "steel");
+  if (barrel > at) bar(rod, "cylinder", plus(a, along, at), along, barrel - at, radius, "steel");
+  bar(draw, "cylinder", plus(a, along, at), along, Math.max(length - at, 1e-9), 0.5 * Math.max(sizes.rod, 0.2 * sizes.bore), "steel");
+  bar(draw, "cylinder", plus(a, along, at - 0.05 * sizes.bore), along, 0.1 * sizes.bore, 1.04 * radius, "dark");
+  for (const point of [a, plus(a, along, length)]) ball(draw, point, 0.4 * sizes.bore, "steel");
+}
+
 const GROUPS: [Kind, string[]][] = [
   [revolute, ["revolute", "hinge"]],
   [spherical, ["spherical"]],
@@ -252,7 +272,7 @@ const GROUPS: [Kind, string[]][] = [
   [damper, ["damper"]],
   [both, ["spring-damper"]],
   [torsion, ["torsion-spring", "torsion-damper", "torsion-spring-damper"]],
-  [actuator, ["actuator"]],
+  [actuator, ["actuator", "hydraulic-cylinder"]],
   [bushing, ["bushing"]],
   [cable, ["cable"]],
   [gear, ["gear", "rack", "coupling"]],

@@ -11,7 +11,8 @@ import type { Shared } from "../shared";
 import { Batch } from "./batch";
 import type { Shape } from "./glyphs";
 import type { Draw, Situation, Tint } from "./kinds";
-import { arrow, kindOf, normalTo } from "./kinds";
+import { arrow, hydraulicCylinder, kindOf, normalTo } from "./kinds";
+import type { Pressures } from "./pressures";
 import { sizesOf } from "./sizes";
 import type { Touch } from "./touches";
 import { MOST_ARROWS } from "./touches";
@@ -59,12 +60,14 @@ export class Symbols {
     private radius: number,
     private firstThing: number,
     private run: number,
+    private pressures: Pressures,
   ) {
     this.group.matrixAutoUpdate = false;
     this.group.matrix.makeTranslation(middle.x, middle.y, middle.z);
     const points = scene.symbols.reduce((n, symbol) => n + symbol.sides.length, 0);
     const touches = scene.touches === null ? 0 : MOST_ARROWS;
-    this.capacity = touches + 4 * (points + scene.symbols.length) + 6 * scene.markers.length + 4 * scene.sensors.length + 16;
+    const cylinders = scene.symbols.filter(({ cylinder }) => cylinder).length;
+    this.capacity = touches + 8 * cylinders + 4 * (points + scene.symbols.length) + 6 * scene.markers.length + 4 * scene.sensors.length + 16;
   }
 
   /** Place all symbols; `shown` determines the hidden ones. */
@@ -77,7 +80,11 @@ export class Symbols {
     const sizes = this.sizes;
     this.scene.symbols.forEach((symbol, i) => {
       if (!state.symbols[symbol.group] || (symbol.sides.length && away(symbol.sides))) return;
-      kindOf(symbol.kind, symbol.group)(this.situation(symbol, row, state.amplification, up, sizes[i]), this.painter(this.firstThing + i));
+      const at = this.situation(symbol, row, state.amplification, up, sizes[i]), tag = this.firstThing + i;
+      if (symbol.cylinder) {
+        const [piston, rod] = symbol.cylinder.pressures.map((name) => this.painter(tag, this.pressures.colour(name, state.time, state.map)));
+        hydraulicCylinder(at, this.painter(tag), [piston, rod], symbol.cylinder);
+      } else kindOf(symbol.kind, symbol.group)(at, this.painter(tag));
     });
     if (state.markers) this.markers(row, state, away);
     if (state.arrows) {

@@ -152,6 +152,11 @@ class HydraulicNetwork(Block, tag="hydraulics"):
             problems.add(where, f"{text}; take flow='volume'")
 
     @property
+    def cylinders(self) -> tuple[HydraulicElement, ...]:
+        """Its cylinders."""
+        return tuple(one for one in self.elements if one.kind == "cylinder")
+
+    @property
     def starts(self) -> Mapping[str, float]:
         """Initial values of the states."""
         found: Mapping[str, float] = self._circuit.starts

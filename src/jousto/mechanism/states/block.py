@@ -103,6 +103,11 @@ class Block(Declared, section="states"):
         return ()
 
     @property
+    def cylinders(self) -> tuple[Any, ...]:
+        """Hydraulic cylinders, which pictures show with the pressures of their chambers."""
+        return ()
+
+    @property
     def fastest(self) -> Mapping[str, float]:
         """Largest rates of quantities by name, 1/s, where the block has bounds of them."""
         return {}

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.rotations import euler_parameters_of, rotation_matrix
-from jousto.model.symbol_record import SymbolPoint, SymbolShape
+from jousto.model.symbol_record import CylinderShape, SymbolPoint, SymbolShape
 
 GROUP = "symbols"
 SCALAR_LAST, SCALAR_FIRST = [1, 2, 3, 0], [3, 0, 1, 2]  # files have e1 e2 e3 e0
@@ -36,7 +36,16 @@ def symbol_arrays(found: Sequence[SymbolShape]) -> dict[str, Any]:
         "modes": np.concatenate([*modes, np.zeros((0, 3))]),
         "mode_ends": np.cumsum([len(some) for some in modes], dtype="<i8"),
         **_triangles(found),
+        **_cylinders(found),
     }
+
+
+def _cylinders(found: Sequence[SymbolShape]) -> dict[str, Any]:
+    """Return the sizes of hydraulic cylinders, by the numbers of their symbols, as JSON."""
+    some = {k: vars(one.cylinder) for k, one in enumerate(found) if one.cylinder is not None}
+    if not some:
+        return {}
+    return {"cylinders": np.frombuffer(json.dumps(some, ensure_ascii=False).encode(), "u1")}
 
 
 def _triangles(found: Sequence[SymbolShape]) -> dict[str, Any]:
@@ -96,6 +105,9 @@ def read_symbols(group: Any) -> tuple[SymbolShape, ...]:
         surface = arrays["triangles"].astype(np.float64)
         if len(cut) != len(ends) or (np.diff(cut) < 0).any() or cut[-1] != len(surface):
             raise ValueError(f"{GROUP}/triangle_ends does not divide {len(surface)} triangles")
+    cylinders: dict[str, Any] = {}
+    if "cylinders" in arrays:
+        cylinders = json.loads(arrays["cylinders"].tobytes().decode())
     found = []
     for k, texts in enumerate(zip(*words, strict=True)):
         axis = arrays["axes"][k]
@@ -107,6 +119,16 @@ def read_symbols(group: Any) -> tuple[SymbolShape, ...]:
                 axis=None if np.isnan(axis).any() else axis,
                 fixed=bool(arrays["fixed"][k]),
                 triangles=own if len(own) else None,
+                cylinder=_cylinder(cylinders.get(str(k))),
             )
         )
     return tuple(found)
+
+
+def _cylinder(read: dict[str, Any] | None) -> CylinderShape | None:
+    """Return the sizes of a cylinder from those in a file."""
+    if read is None:
+        return None
+    bore, rod, closed, stroke = (float(read[key]) for key in ("bore", "rod", "closed", "stroke"))
+    names = read["pressures"]
+    return CylinderShape(bore, rod, closed, stroke, (str(names[0]), str(names[1])))
