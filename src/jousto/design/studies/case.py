@@ -20,6 +20,7 @@ from jousto.model.start_complex_step import has_steps
 from jousto.model.variants import Variants
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.batched_runs import run_in_lanes
+from jousto.simulation.running.inputs import drive
 from jousto.simulation.running.repeated_runs import Repeated
 from jousto.simulation.running.start_state import initial_state
 
@@ -37,10 +38,13 @@ class Settings:
     how : dict
         Given arguments solver, output_step and state; the state may be a function of the model,
         such as `jo.equilibrium`.
+    inputs : dict
+        Signals or numbers of external inputs, the same in all runs.
     """
 
     t_end: float | None = None
     how: Mapping[str, Any] = field(default_factory=dict)
+    inputs: Mapping[str, Any] = field(default_factory=dict)
 
     def given(self, model: Model) -> dict[str, Any]:
         """Return the arguments of `simulate` for a model."""
@@ -175,7 +179,10 @@ class Machine:
 
     @cached_property
     def model(self) -> Model:
-        """Compiled model."""
+        """Compiled model, driven by the signals of the settings."""
+        return drive(self._compiled(), self.settings.inputs, "study")
+
+    def _compiled(self) -> Model:
         if isinstance(self.made, Model):
             return self.made
         if isinstance(self.made, Numbered):

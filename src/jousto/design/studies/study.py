@@ -276,11 +276,13 @@ class Study:
         if self._made_of is None:
             source: Any = self._evaluator.source
             how = {key: key_of(value) for key, value in source.settings.how.items()}
+            signals = {key: key_of(value) for key, value in source.settings.inputs.items()}
+            driven = {"inputs": signals} if signals else {}
             self._made_of = {
                 "parameters": [parameter.label for parameter in self.parameters],
                 "outcomes": {own.name: key_of(own) for own in self._evaluator.outcomes},
                 "model": source.key,
-                "run": {"t_end": source.settings.t_end, **how},
+                "run": {"t_end": source.settings.t_end, **how, **driven},
             }
         return self._made_of
 
@@ -337,6 +339,7 @@ def study(
     solver: Any = None,
     output_step: float | None = None,
     state: Any = None,
+    inputs: Mapping[str, Any] | None = None,
     **run: Any,
 ) -> Study:
     """Return a model as a function of its parameters; with samples, the table of outcomes.
@@ -359,6 +362,8 @@ def study(
         Settings as in `simulate`; they take precedence over those of the file.
     state : State or callable, optional
         Initial state of the runs, or a function of the model that returns it: `jo.equilibrium`.
+    inputs : dict, optional
+        Signals of time, such as `Table`, or numbers of external inputs, the same in all runs.
     **run
         Arguments of `Study.run`: workers, how, path, retry, progress.
 
@@ -387,7 +392,7 @@ def study(
     """
     how = {"solver": solver, "output_step": output_step, "state": state}
     given = {key: value for key, value in how.items() if value is not None}
-    source = source_of(model, Settings(t_end, given))
+    source = source_of(model, Settings(t_end, given, inputs or {}))
     checked = Problems()
     if t_end is not None:
         checked.positive("study", "t_end", t_end, "s")
@@ -403,6 +408,9 @@ def study(
     except InputError as error:
         problems += error.problems
     names = {parameter.name for parameter in chosen}
+    for name in sorted(names.intersection(inputs or ())):
+        message = "is one of the inputs, too; leave it out of the parameters or of the inputs"
+        problems.append(Problem(f"parameter {name!r}", message))
     for outcome in wanted:
         if outcome.name in names:
             message = f"is the name of a parameter, too; name it: 'my {outcome.name} = ...'"

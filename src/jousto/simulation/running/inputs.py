@@ -49,6 +49,11 @@ class Feed:
     def __init__(self, held: tuple[HeldInput, ...]) -> None:
         self._held = held
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the inputs."""
+        return tuple(h.name for h in self._held)
+
     def ahead(self, done: int) -> int:
         """Return the number of steps to the next change of an input, after `done` steps."""
         return min((h.every - done % h.every for h in self._held), default=1 << 62)
@@ -136,7 +141,7 @@ def connect(
         else:
             samples = problems.array(place, "samples", value, (None,))
             rows = steps // every
-            if samples is not None and len(samples) not in (rows, rows + 1):
+            if samples is not None and steps and len(samples) not in (rows, rows + 1):
                 problems.add(
                     place,
                     f"has {len(samples)} samples, the run has {rows} intervals between outputs; "
@@ -148,6 +153,25 @@ def connect(
     fed = substitute(model, signals)
     held = (HeldInput(name, fed.inputs.index(name), each, value) for name, each, value in waiting)
     return fed, Feed(tuple(held))
+
+
+def drive(model: Model, inputs: Mapping[str, Any], where: str) -> Model:
+    """Return the model with signals of time, or numbers, in place of inputs: for many runs.
+
+    Raises
+    ------
+    InputError
+        If an input does not exist, or its value is neither.
+    """
+    driven, feed = connect(model, inputs, 0, 1, where)
+    problems = Problems()
+    for name in feed.names:
+        problems.add(
+            f"{where}: input {name!r}",
+            "must be a signal of time or a number; give jo.Table(times, values) for samples",
+        )
+    problems.raise_if_any()
+    return driven
 
 
 EXPECTED = "must be a Signal, a number, a function of time or an array of samples"

@@ -175,7 +175,7 @@ class FileSource:
             own = {"solver": simulation.solver, "output_step": simulation.output_step}
             own["state"] = simulation.begin
         how = {key: value for key, value in own.items() if value is not None}
-        settings = Settings(t_end, how | dict(self.settings.how))
+        settings = Settings(t_end, how | dict(self.settings.how), self.settings.inputs)
         return Machine(mechanism, settings, checks, memory.models)
 
 
