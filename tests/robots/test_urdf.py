@@ -395,3 +395,70 @@ def test_words_for_gazebo_that_change_the_motion_are_told(write: Write) -> None:
     assert "robot.urdf:1: turnGravityOff: <turnGravityOff>: the weight acts on this link" in str(
         one.message
     )
+
+
+SIMPLE = """<transmission name="t"><type>transmission_interface/SimpleTransmission</type>
+  <joint name="{joint}"><hardwareInterface>EffortJointInterface</hardwareInterface></joint>
+  <actuator name="m"><mechanicalReduction>{n}</mechanicalReduction>
+  <motorTorqueConstant>1</motorTorqueConstant></actuator></transmission>"""
+CONTROL = """<ros2_control name="c" type="system"><hardware><plugin>x/Y</plugin></hardware>
+  <joint name="h"><command_interface name="effort"/></joint>
+  <transmission name="t"><plugin>transmission_interface/SimpleTransmission</plugin>
+  <actuator name="m" role="actuator1"/><joint name="h" role="joint1">
+  <mechanical_reduction>{n}</mechanical_reduction><offset>0.3</offset></joint>
+  </transmission></ros2_control>"""
+
+
+STIFF = {"stiffness": 1e4, "damping": 20.0}
+
+
+@pytest.mark.parametrize("form", [SIMPLE, CONTROL])
+@pytest.mark.filterwarnings("error::jousto.JoustoWarning")
+def test_a_transmission_is_a_motor_with_its_gear(form: str, write: Write) -> None:
+    """I = 1 kg m2 about the axis: u = 0.02 N m at the motor of a reduction -50 gives -1 rad/s2."""
+    robot = read_urdf(write(LINKS + HINGE.format("") + form.format(joint="h", n=-50)))
+    (motor,) = robot.actuators
+    assert (motor.name, motor.joint, motor.gear) == ("m", "h", -50.0)
+    model = jo.compile(mechanism(robot, gravity=(0, 0, 0)))
+    run = jo.simulate(model, 1.0, inputs={"m": 0.02})
+    assert run["h"][-1, 0] == pytest.approx(-0.5, rel=1e-9)
+    off = jo.compile(mechanism(robot, actuators=False))
+    on = jo.compile(mechanism(robot))
+    assert len(on.forces) == len(off.forces) + 1
+    geared = mechanism(robot, gravity=(0, 0, 0), elastic={"h": {"rotor_inertia": 1e-9, **STIFF}})
+    run = jo.simulate(jo.compile(geared), 1.0, inputs={"m": 0.02}, solver=jo.ROS2(1e-3))
+    assert run["h"][-1, 0] == pytest.approx(-0.5, rel=1e-4)
+    pushed = mechanism(robot, gravity=(0, 0, 0), efforts={"h": 2.0})
+    assert jo.simulate(jo.compile(pushed), 1.0)["h"][-1, 0] == pytest.approx(1.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (SIMPLE.format(joint="k", n=50), "no joint 'k'; known: h"),
+        (SIMPLE.format(joint="h", n=0), "mechanicalReduction is 0, must not be zero"),
+        (SIMPLE.format(joint="h", n="much"), "mechanicalReduction is 'much', must be a number"),
+        (SIMPLE.format(joint="h", n=2) * 2, "2 motors have the name 'm'; rename one"),
+        (
+            SIMPLE.format(joint="h", n=2).replace("</joint>", '</joint><joint name="h"/>'),
+            "a simple transmission has 2 joints and 1 actuators, must have one of each",
+        ),
+    ],
+)
+def test_a_transmission_that_is_wrong_is_refused(text: str, said: str, write: Write) -> None:
+    assert said in sentences(write(LINKS + HINGE.format("") + text))
+
+
+def test_other_transmissions_are_told(write: Write) -> None:
+    """A differential, and one of a fixed joint, make no force, and the warning says so."""
+    other = SIMPLE.format(joint="h", n=2).replace("Simple", "Differential")
+    fixed = (
+        '<link name="c"/><joint name="k" type="fixed"><parent link="b"/><child link="c"/></joint>'
+    )
+    at = SIMPLE.format(joint="k", n=2).replace('"m"', '"m2"')
+    with pytest.warns(jo.JoustoWarning) as found:
+        robot = read_urdf(write(LINKS + HINGE.format("") + fixed + other + at))
+    said = "\n".join(str(one.message) for one in found)
+    assert "DifferentialTransmission'" in said and "a transmission of a fixed joint" in said
+    assert "makes no force here; put one on its joints with efforts=" in said
+    assert robot.actuators == ()

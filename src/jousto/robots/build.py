@@ -30,7 +30,13 @@ from jousto.mechanism.signals.base import check_signal
 from jousto.robots.actuators import actuator_forces, with_actuators
 from jousto.robots.contacts import robot_contacts
 from jousto.robots.description import Collision, Frame, Link, Robot
-from jousto.robots.elastic import check_elastic, elastic_joints, on_motor, split_armature
+from jousto.robots.elastic import (
+    check_elastic,
+    elastic_joints,
+    on_motor,
+    split_armature,
+    with_ratios,
+)
 from jousto.robots.joint_limits import RESTITUTION, effective_inertias, joint_forces, limits_of
 from jousto.robots.joints import couplings, gravity_compensation, make_joint, make_loops, rotor
 from jousto.robots.kinematics.tree import Tree
@@ -115,7 +121,8 @@ def mechanism(
     elastic : dict of str to dict, optional
         Motors behind elastic gears by joint: the arguments of `jo.mechanism.ElasticJoint` except
         name and coordinate. Drives, efforts and actuators of the joint, in units of the joint, then
-        act on its motor. The default of ``rotor_inertia`` is ``armature / ratio^2`` of the file.
+        act on its motor. The default of ``ratio`` is that of the only actuator of the joint in the
+        file, and that of ``rotor_inertia`` is ``armature / ratio^2`` of the file.
     contact : bool
         Whether links touch one another and the world, by the shapes, masks, excluded pairs and
         sliding friction of an MJCF file, see `jousto.robots.contacts.robot_contacts`; without it
@@ -143,8 +150,9 @@ def mechanism(
     begins = {x: float(signal(0.0)) for x, signal in drives_of.items() if signal is not None}
     start = given["at"] | begins
     weight = robot.gravity if gravity is None else np.asarray(gravity, dtype=np.float64)
+    elastic = with_ratios(robot, given["elastic"])
     robot = with_actuators(robot, actuators, {**given["drives"], **given["efforts"]})
-    robot, gears = split_armature(replace(robot, gravity=weight), given["elastic"])
+    robot, gears = split_armature(replace(robot, gravity=weight), elastic)
     made = build_robot(
         robot, seat, at=start, stops=(stops, restitution), losses=losses, elastic=gears
     )

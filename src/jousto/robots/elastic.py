@@ -30,6 +30,15 @@ def check_elastic(problems: Problems, robot: Robot, given: Mapping[str, Any]) ->
             problems.add(where, "follows another joint, which has the motor")
 
 
+def with_ratios(robot: Robot, given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return the arguments of elastic joints with the ratios of the only actuators on them."""
+    found: dict[str, dict[str, Any]] = {}
+    for name, options in given.items():
+        gears = [one.gear for one in robot.actuators if one.joint == name and one.gear]
+        found[name] = ({"ratio": gears[0]} if len(gears) == 1 else {}) | dict(options)
+    return found
+
+
 def split_armature(robot: Robot, given: Mapping[str, Any]) -> tuple[Robot, dict[str, Any]]:
     """Return the robot without the rotors of elastic joints, and the arguments with these.
 

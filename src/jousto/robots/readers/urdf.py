@@ -17,6 +17,7 @@ from jousto.robots.description import Collision, Frame, Link, Mimic, Robot, Robo
 from jousto.robots.readers import checks
 from jousto.robots.readers.collisions import shape_of
 from jousto.robots.readers.meshes import Folders, solid_of
+from jousto.robots.readers.urdf_transmissions import read_transmissions
 from jousto.robots.readers.urdf_words import URDF
 from jousto.robots.readers.words import check_words
 from jousto.robots.readers.xml import Element, Reading, parse_file
@@ -46,7 +47,7 @@ def read_urdf(
     The frame of a link is that of its parent joint, rotated against the frame of its parent link
     by ``R = Rz(yaw) Ry(pitch) Rx(roll)``. The inertia in the file is about the centre of mass, in
     the axes of the origin of ``<inertial>``. The default axis is x. Joints without ``<limit>`` have
-    no limits.
+    no limits. Simple transmissions, also those in ``<ros2_control>``, are motors with an `Input`.
 
     Parameters
     ----------
@@ -99,10 +100,11 @@ def read_urdf(
         if element.tag.startswith("xacro:"):
             reading.add(element, f"<{element.tag}> is a macro; run xacro first")
     name = root.given.get("name", path.stem)
+    motors = read_transmissions(reading, root, joints)
     made = checks.robot(
         reading, name, links, joints, fixed_base=fixed_base, merge=merge, repair=repair
     )
-    return replace(made, untouching=tuple(sorted(set(untouching))))
+    return replace(made, untouching=tuple(sorted(set(untouching))), actuators=motors)
 
 
 def read_link(

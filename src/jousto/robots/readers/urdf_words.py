@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from jousto.robots.readers.words import QUIET_TAG, Format, Tag, warned
 
-MOTORS = "motors and their gears are not read; put forces on joints with efforts={joint: signal}"
 WEIGHT = (
     "the weight acts on this link, and no spring on this joint, even with other settings for Gazebo"
 )
 _pose = Tag(done="xyz rpy quat_xyzw")
+_transmission = Tag(done="type plugin", quiet="name leftActuator rightActuator")
+_end = Tag(
+    done="name mechanicalReduction mechanical_reduction",
+    quiet="role offset hardwareInterface motorTorqueConstant",
+)
 
 TAGS = {
     "/robot": Tag(done="name", quiet="version"),
@@ -17,8 +21,15 @@ TAGS = {
     "robot/material": QUIET_TAG,
     "robot/sensor": QUIET_TAG,
     "robot/group": QUIET_TAG,
-    "robot/transmission": Tag(whole=warned(MOTORS)),
-    "robot/ros2_control": QUIET_TAG,
+    "robot/transmission": _transmission,
+    "robot/ros2_control": Tag(quiet="name type", free=True),
+    "ros2_control/hardware": QUIET_TAG,
+    "ros2_control/joint": QUIET_TAG,
+    "ros2_control/sensor": QUIET_TAG,
+    "ros2_control/gpio": QUIET_TAG,
+    "ros2_control/transmission": _transmission,
+    "transmission/joint": _end,
+    "transmission/actuator": _end,
     "robot/gazebo": Tag(
         quiet="reference",
         words={
