@@ -49,8 +49,9 @@ MODEL = f"""<mujoco><asset>
 <mesh name="a" file="a.stl" refpos=".1 .02 .03" refquat=".5 .5 -.5 .5" scale="2 3 -4"/>
 <mesh name="b" file="b.obj" scale="1.5 1 1"/>
 <mesh name="c" file="c.msh"/>
-<mesh name="d" vertex="{INLINE} .2 .2 .2"/>
-<mesh name="e" vertex="{INLINE} 1 0 0 1.1 0 0 1 .1 0 1 0 .1"
+<mesh name="d" refpos=".1 0 .2" scale="1 1 -1"
+ vertex="{INLINE} .2 .2 .2"/>
+<mesh name="e" refpos="0 .1 .2" vertex="{INLINE} 1 0 0 1.1 0 0 1 .1 0 1 0 .1"
  face="0 2 1 0 1 3 0 3 2 1 4 3 3 4 2 2 4 1"/>
 </asset><worldbody>
 <geom name="floor" type="plane" size="9 9 1"/>
@@ -298,3 +299,23 @@ def test_links_of_sdf_do_not_touch_unless_they_say_so(tmp_path):
     robot = jo.robots.read_sdf(path, packages={"parts": tmp_path}, fixed_base=False)
     with pytest.warns(jo.JoustoWarning, match="no two shapes that touch"):
         assert not [one for one in mechanism(robot, contact=True).forces if "contacts" in one.name]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ('nrow="9" ncol="1"', "nrow 9 and ncol 1 must be 2 or more"),
+        ('nrow="2000" ncol="2000"', "their product up to 1000000"),
+        ('nrow="2" ncol="2" elevation="1 2 3"', "elevation must be 4 numbers"),
+        ('file="none.bin"', "is not there"),
+        ('file="a.png"', "pictures are not read"),
+        ('file="a.bin"', "is no file of rows, columns and heights"),
+    ],
+)
+def test_height_fields_that_are_not_read_are_named(tmp_path, words, said):
+    (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n")
+    (tmp_path / "a.bin").write_bytes(struct.pack("<2i4f", 2, 3, 1, 2, 3, 4))
+    text = f"""<mujoco><asset><hfield name="h" size="1 1 1 1" {words}/></asset>
+    <worldbody><geom type="hfield" hfield="h"/></worldbody></mujoco>"""
+    (found,) = read(write(tmp_path, text)).untouching
+    assert said in found

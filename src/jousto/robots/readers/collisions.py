@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError
 from jousto.mechanism.contacts.ellipsoid import Ellipsoid
+from jousto.mechanism.contacts.polytopes import MOST_VERTICES
 from jousto.mechanism.contacts.shapes import (
     Capsule,
     ConvexHull,
@@ -26,6 +27,8 @@ FEWER: Sequence[int] = (500, 200, 100, 50)
 """Numbers of vertices of a coarser hull, where the whole one is too fine for the engine."""
 CHUNK = 4096
 """Vertices whose distances from all faces are computed at a time."""
+SEARCHED = 10_000
+"""Vertices of a fine hull among which those of a coarser one are."""
 CLOSED = 1e-6
 """Sum of the area vectors over the area, below which a surface is taken as closed."""
 LARGER = 0.05
@@ -98,7 +101,8 @@ def mesh_hull(name: str, triangles: Array, points: Array | None = None, most: in
     text = f"hull of the mesh {name!r}"
     kept, rest, made = outer, "", None
     first = min(most, len(outer)) if most else len(outer)
-    for number in (first, *(n for n in FEWER if n < first)):
+    numbers = [first] if first <= MOST_VERTICES else []
+    for number in (*numbers, *(n for n in FEWER if n < first)):
         if number < len(outer):
             kept, away = fewer_vertices(outer, number)
             rest = f" of {len(outer)} vertices, the others up to {away:.2g} m outside it"
@@ -120,25 +124,31 @@ def mesh_hull(name: str, triangles: Array, points: Array | None = None, most: in
 def fewer_vertices(x: Array, most: int) -> tuple[Array, float]:
     """Return at most n vertices of a hull, m, and the largest distance of the others outside, m.
 
-    Each pass adds the vertices farthest outside the faces of the hull so far.
+    Each pass adds the vertices farthest outside the faces of the hull so far, of at most `SEARCHED`
+    evenly chosen ones.
     """
     from scipy.spatial import ConvexHull as Qhull  # slow to import
 
-    kept = x[Qhull(x, qhull_options="Qt TA1").vertices]
-    while True:
-        planes = Qhull(kept).equations
-        parts = [
-            planes[:, :3] @ part.T + planes[:, 3:]
-            for part in np.split(x, range(CHUNK, len(x), CHUNK))
-        ]
-        away = np.concatenate([part.max(axis=0) for part in parts])
-        face = np.concatenate([part.argmax(axis=0) for part in parts])
-        if len(kept) >= most:
-            return kept, float(away.max())
+    some = x[:: -(-len(x) // SEARCHED)]
+    kept = some[Qhull(some, qhull_options="Qt TA1").vertices]
+    while len(kept) < most:
+        away, face = outside(Qhull(kept).equations, some)
         order = np.argsort(-away, kind="stable")
         _, first = np.unique(face[order], return_index=True)  # farthest one of each face
         added = order[np.sort(first)][: min(most - len(kept), max(len(kept) // 2, 1))]
-        kept = np.concatenate([kept, x[added]])
+        kept = np.concatenate([kept, some[added]])
+    return kept, float(outside(Qhull(kept).equations, x)[0].max())
+
+
+def outside(planes: Array, x: Array) -> tuple[Array, Any]:
+    """Return how far points (n, 3) are outside the planes (nf, 4) of a hull, m, and which one."""
+    away, face = np.empty(len(x)), np.empty(len(x), dtype=np.intp)
+    for start in range(0, len(x), CHUNK):
+        part = slice(start, start + CHUNK)
+        gaps = x[part] @ planes[:, :3].T + planes[:, 3]
+        face[part] = gaps.argmax(axis=1)
+        away[part] = gaps.max(axis=1)
+    return away, face
 
 
 def added_volume(triangles: Array, volume: float) -> float:

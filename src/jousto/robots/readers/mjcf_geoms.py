@@ -13,6 +13,7 @@ from jousto.base.rotations import turn_onto
 from jousto.mechanism.bodies.shapes import Solid, closed_surface
 from jousto.mechanism.contacts.shapes import HalfSpace, Shape
 from jousto.mechanism.contacts.surfaces import HeightField
+from jousto.mechanism.contacts.triangles import MOST_TRIANGLES
 from jousto.robots.description import Frame
 from jousto.robots.readers.collisions import MeshHull, mesh_hull, shape_of
 from jousto.robots.readers.meshes import Folders, solid_of
@@ -35,7 +36,7 @@ from jousto.robots.readers.xml import Element
 SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 LINES = ("capsule", "cylinder", "box", "ellipsoid")
 LEAST = 1e-14  # smallest mass of a geom, kg (mjEPS of MuJoCo); lighter ones have none
-MOST_ROWS = 10_000  # largest number of rows or columns of a height field
+MOST_HEIGHTS = MOST_TRIANGLES // 2  # largest number of heights of a height field
 SAME = 1e-2  # relative difference of volumes below which there is no warning
 
 
@@ -316,14 +317,21 @@ class Geoms:
             rows = self.folders.heights(file)
         else:
             shape = [int(self.reading.number(element, key, 0.0)) for key in ("nrow", "ncol")]
-            if not all(2 <= n <= MOST_ROWS for n in shape):
-                raise ValueError(f"hfield {name!r}: nrow and ncol must be 2 to {MOST_ROWS}")
+            if min(shape) < 2 or shape[0] * shape[1] > MOST_HEIGHTS:
+                raise ValueError(
+                    f"hfield {name!r}: nrow {shape[0]} and ncol {shape[1]} must be 2 or more, "
+                    f"their product up to {MOST_HEIGHTS}"
+                )
             rows = np.zeros(shape)
             if "elevation" in element.given:
                 found = self.reading.list(element, "elevation")
                 if found is None or len(found) != rows.size:
                     raise ValueError(f"hfield {name!r}: elevation must be {rows.size} numbers")
                 rows = found.reshape(shape)[::-1]
+        if rows.size > MOST_HEIGHTS:
+            raise ValueError(
+                f"hfield {name!r}: has {rows.size} heights, at most {MOST_HEIGHTS} are possible"
+            )
         low, high = float(rows.min()), float(rows.max())
         share = (rows - low) / (high - low) if high > low else np.zeros_like(rows)
         try:
