@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 
@@ -42,9 +42,7 @@ class SymbolPoint:
     modes: Array | None = None
 
 
-@described
-@dataclass(frozen=True, eq=False)
-class CylinderShape:
+class CylinderShape(NamedTuple):
     """Sizes of a hydraulic cylinder, and the sensors of the pressures of its chambers.
 
     Attributes

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from jousto.base.arrays import Array, Index
 from jousto.base.object_repr import described
 from jousto.base.voigt import STRESS_COMPONENTS
-from jousto.model.symbol_record import CylinderShape
 from jousto.simulation.results.solution import Solution
 
 MEASURES = ("von-mises", "signed-von-mises", "principal-max", "principal-min", *STRESS_COMPONENTS)
@@ -195,8 +194,8 @@ class Symbol:
         Description in one line.
     fixed : bool
         Whether the axis keeps its direction in the world.
-    cylinder : CylinderShape or None
-        Sizes of a hydraulic cylinder.
+    cylinder : dict or None
+        Sizes of a hydraulic cylinder, and names of the sensors of its pressures.
     """
 
     name: str
@@ -208,7 +207,7 @@ class Symbol:
     sensor: str | None = None
     text: str = ""
     fixed: bool = False
-    cylinder: CylinderShape | None = None
+    cylinder: dict[str, Any] | None = None
 
 
 @described

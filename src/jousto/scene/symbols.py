@@ -39,7 +39,7 @@ def drawn_symbols(
                 sensor=one.sensor or None,
                 text=one.text,
                 fixed=one.fixed,
-                cylinder=one.cylinder,
+                cylinder=None if one.cylinder is None else one.cylinder._asdict(),
             )
         )
     return tuple(symbols), tuple(marks)

@@ -42,7 +42,7 @@ def symbol_arrays(found: Sequence[SymbolShape]) -> dict[str, Any]:
 
 def _cylinders(found: Sequence[SymbolShape]) -> dict[str, Any]:
     """Return the sizes of hydraulic cylinders, by the numbers of their symbols, as JSON."""
-    some = {k: vars(one.cylinder) for k, one in enumerate(found) if one.cylinder is not None}
+    some = {k: one.cylinder._asdict() for k, one in enumerate(found) if one.cylinder is not None}
     if not some:
         return {}
     return {"cylinders": np.frombuffer(json.dumps(some, ensure_ascii=False).encode(), "u1")}
