@@ -12,7 +12,7 @@ import pytest
 
 import jousto as jo
 from exported import CC
-from jousto.export.fmu import write_fmu
+from jousto.export.fmu import why_not_exchanged, write_fmu
 
 fmpy = pytest.importorskip("fmpy")
 pytestmark = [
@@ -133,3 +133,27 @@ def test_a_unit_without_model_exchange_refuses_it(version: int, tmp_path: Path) 
         make("Model", said.append)
     assert "co-simulation only: events" in said[-1].decode()
     assert make("Slave").value() == 0.0
+
+
+@pytest.mark.slow  # compiles a unit of its own
+def test_states_of_blocks_are_continuous_states_of_model_exchange(tmp_path: Path) -> None:
+    """A DC motor that the importer integrates: current and speed of the precise run."""
+    rotor = jo.RigidBody("rotor", 1.0, (1e-4, 1e-4, 1e-4))
+    axle = jo.Revolute("axle", jo.ground["origin"], rotor["origin"], axis=(0, 0, 1))
+    motor = jo.electric.DCMotor("motor", axle.angle, 12.0, 1.0, 0.5e-3, 0.05)
+    current = jo.mechanism.StateSensor("i", motor["current"], unit="A")
+    speed = jo.RateSensor("w", axle.angle)
+    model = jo.compile(jo.Mechanism(rotor, axle, motor, current, speed))
+    write_fmu(model, tmp_path / "motor.fmu", solver=jo.ROS2(1e-4))
+    description = fmpy.read_model_description(tmp_path / "motor.fmu")
+    states = {x.derivative.name for x in description.modelVariables if x.derivative}
+    assert any(name.endswith("motor.current") for name in states)
+    options = {"stop_time": 0.05, "output_interval": 0.01, "relative_tolerance": 1e-8}
+    found = fmpy.simulate_fmu(tmp_path / "motor.fmu", fmi_type="ModelExchange", **options)
+    precise = jo.simulation.DormandPrince(1e-10)
+    run = jo.simulate(model, 0.05, solver=precise, output_step=0.01)
+    assert abs(found["i"] - run["i"][:, 0]).max() < 1e-5
+    assert abs(found["w"] - run["w"][:, 0]).max() < 1e-4
+    brake = jo.electric.Brake("brake", axle.angle, 1.0, 1e4)
+    held = jo.compile(jo.Mechanism(rotor, axle, motor, brake))
+    assert "change at the ends of its own steps" in why_not_exchanged(held)

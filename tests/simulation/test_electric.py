@@ -365,7 +365,7 @@ def test_touches_of_teeth_are_located_by_all_methods(solver: Any) -> None:
 # -- brake and thermal load ----------------------------------------------------------------------
 
 
-def braked(core: str = "joint", load: float = 3.0, speed: float = 150.0, **options: Any) -> Any:
+def braked(core: str = "joint", load: Any = 3.0, speed: float = 150.0, **options: Any) -> Any:
     body, joint = hinge("drum", 0.05)
     brake = Brake("brake", joint.angle, 12.0, 1e6, **{"damping": 30.0} | options)
     parts = (
@@ -404,6 +404,9 @@ def test_a_sticking_brake_holds_its_static_torque(load: float, holds: bool) -> N
     else:
         assert run["w"][-1, 0] - run["w"][-2, 0] == pytest.approx(0.1 * 3.1 / 0.05, rel=1e-6)
         assert run["torque"][-1, 0] == pytest.approx(-12.0, rel=1e-12)
+        slips = 0.5 * 15.0 / 15.1  # s; until 0.5 s the load grows
+        gained = (0.5 * (15.0 + 15.1) - 12.0) * (0.5 - slips) + 3.1 * 0.5
+        assert run["w"][-1, 0] == pytest.approx(gained / 0.05, abs=2e-3)
 
 
 def test_a_brake_closes_with_its_lag() -> None:
@@ -425,8 +428,14 @@ def test_a_thermal_load_trips() -> None:
     names = ("load", "tripped", "limit")
     sensors = [StateSensor(name, load[name]) for name in names]
     trip = jo.mechanism.Event("trip", sensors[0], 1.0)
-    model = jo.compile(jo.Mechanism(body, joint, load, *sensors, trip))
-    run = jo.simulate(model, 20.0, solver=jo.RK4(0.1), output_step=0.1)
+    watch = States("watch", {"time": 0.0}, {"time": load["tripped"]})
+    since = StateSensor("since", watch["time"], unit="s")
+    parts = body, joint, load, watch, *sensors, since
+    alone = jo.simulate(jo.compile(jo.Mechanism(*parts)), 20.0, solver=jo.RK4(0.1))
+    assert alone["since"][-1, 0] == pytest.approx(20.0 - 17.2609243471, abs=1e-8)
+    run = jo.simulate(
+        jo.compile(jo.Mechanism(*parts, trip)), 20.0, solver=jo.RK4(0.1), output_step=0.1
+    )
     (event,) = (one for one in run.events if one.name == "trip")
     assert event.time == pytest.approx(17.2609243471, abs=1e-8)
     assert run["tripped"][172, 0] == 0.0
