@@ -75,7 +75,7 @@ typedef double jo_real;
     ROW(tyre, radius, stiffness, damping, relaxation[2], lead, slow, sink, resistance, law, mu, half_length, load, cx, cy, \
         longitudinal[9], lateral[13], aligning[14], peak[2]) \
     ROW(slider, stiffness, damping, play, hold, brake, mu, resistance, slow, count) \
-    ROW(network, number, states, coordinates, signals, constants, values, instructions, pushes, slopes, memories) \
+    ROW(network, number, states, coordinates, signals, constants, values, instructions, pushes, slopes, memories, openings) \
     ROW(memory, network, first, count, period, phase, margin, jumps) \
     /* the last row */
 
@@ -107,7 +107,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 30 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 31 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -555,6 +555,9 @@ long long jo_data_unproven(const jo_data *d, double *out);
 /* parts of steps in which no gap can have closed unseen: proven at once, after halvings of their length, up to an event; most halvings */
 typedef struct { long long at_once, advanced, events, most; } jo_proof;
 const jo_proof *jo_data_proof(const jo_data *d);
+/* Openings of valves that pressures open, of all networks: out (2 x count), the largest change of each between stages of a method with networks
+ * in its matrix, 1: from closed to open, and the time of the later one, s; counted anew then. Returns their count. */
+int jo_data_openings(jo_data *d, double *out);
 enum { JO_BRIEF = 3, JO_MOST_BRIEF = 16 };
 /* touches so far of contacts with resolve "report" that last for less than 10 steps. out (JO_MOST_BRIEF x JO_BRIEF), the first of them: time,
  * s; first state of the contact; duration by the law without loss, s */

@@ -50,6 +50,7 @@ static void count(const jo_force *f, jo_network *w)
     w->npush = jo_whole(x->pushes);
     w->nslope = jo_whole(x->slopes);
     w->memories = jo_whole(x->memories);
+    w->nopening = jo_whole(x->openings);
     w->registers = w->fixed + w->n + 2 * w->m + 1 + 2 * w->nsignal + w->memories + w->instructions;
 }
 
@@ -61,6 +62,9 @@ static void take(const jo_model *m, const jo_force *f, jo_network *w, jo_arena *
     w->rate = jo_take_ints(a, w->n);
     w->push = jo_take_ints(a, 2 * w->npush);
     w->slope = jo_take_ints(a, 3 * w->nslope);
+    w->opening = jo_take_ints(a, w->nopening);
+    w->before = jo_take_reals(a, w->nopening);
+    w->most = jo_take_doubles(a, 2 * w->nopening);
     w->pivot = jo_take_ints(a, w->n);
     w->memory = jo_take_ints(a, w->memories);
     w->at = jo_take_ints(a, 2 * w->m);
@@ -98,7 +102,9 @@ static void read(const jo_force *f, jo_network *w)
     x = read_ints(x, w->code, 4 * w->instructions);
     x = read_ints(x, w->rate, w->n);
     x = read_ints(x, w->push, 2 * w->npush);
-    read_ints(x, w->slope, 3 * w->nslope);
+    x = read_ints(x, w->slope, 3 * w->nslope);
+    read_ints(x, w->opening, w->nopening);
+    w->last = -INFINITY;
     w->timed = jo_network_depends_on_time(w);
     w->computed = 0;
 }

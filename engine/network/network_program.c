@@ -118,6 +118,34 @@ void jo_network_evaluate(const jo_model *m, const jo_data *d, jo_network *w, con
     }
 }
 
+void jo_network_note_openings(const jo_data *d, jo_network *w)
+{
+    const double now = JO_RE(d->time[0]);
+    const int follows = fabs(now - w->last) < 1.5 * d->control.length;   /* not after a change of the state by the caller */
+    w->last = now;
+    for (int i = 0; i < w->nopening; i++) {
+        const jo_real x = w->r[w->opening[i]];
+        const double change = fabs(JO_RE(x) - JO_RE(w->before[i]));
+        w->before[i] = x;
+        if (!follows || !(change > w->most[2 * i])) continue;
+        w->most[2 * i] = change;
+        w->most[2 * i + 1] = now;
+    }
+}
+
+int jo_data_openings(jo_data *d, double *out)
+{
+    int count = 0;
+    for (int i = 0; i < d->networks.count; i++) {
+        jo_network *w = &d->networks.list[i];
+        for (int k = 0; k < 2 * w->nopening; k++) {
+            out[count++] = w->most[k];
+            w->most[k] = 0.0;
+        }
+    }
+    return count / 2;
+}
+
 jo_real jo_network_value(const jo_model *m, const jo_data *d, int network, int number)
 {
     jo_network *w = &d->networks.list[network];

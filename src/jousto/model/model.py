@@ -269,7 +269,7 @@ class ForceModel:
     removes it, -1 for none; `state` is the first of its first-order
     states; `element` is the kind of the declared force, such as "servo". `touches`, `coupled`,
     `dense`, `slots`, `shapes`, `sizes`, `surfaces` and `restitutions` of a set of contacts are as
-    in `Packed`; `pressure`, `thickness` and `restitution` are as in `Push`.
+    in `Packed`; `openings`, `pressure`, `thickness` and `restitution` are as in `Push`.
     """
 
     name: str
@@ -290,6 +290,7 @@ class ForceModel:
     release: int = -1
     state: int = -1
     state_names: tuple[str, ...] = ()
+    openings: tuple[str, ...] = ()
     element: str = ""
     touches: tuple[int, ...] = ()
     coupled: tuple[tuple[int, ...], ...] = ()

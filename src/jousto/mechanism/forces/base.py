@@ -87,6 +87,8 @@ class Push:
         Function of the user.
     states : tuple of str
         Names of the first-order states of the law.
+    openings : tuple of str
+        Names of the openings whose largest change in a step of ROS2 the engine notes.
     numbers : callable, optional
         Function that returns the `Packed` numbers that follow `data`, given the builder of the
         model.
@@ -115,6 +117,7 @@ class Push:
     damper: Signal | None = None
     function: Any = None
     states: tuple[str, ...] = ()
+    openings: tuple[str, ...] = ()
     numbers: Callable[[Any], Packed] | None = None
     pressure: float = 0.0
     thickness: float = 0.0

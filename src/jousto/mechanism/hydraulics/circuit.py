@@ -16,7 +16,15 @@ import numpy as np
 from jousto.mechanism.hydraulics.laws import edge
 from jousto.mechanism.hydraulics.oil import Oil
 from jousto.mechanism.joints.coordinate import Coordinate
-from jousto.mechanism.states.expression import Expression, exp, log, maximum, minimum, where
+from jousto.mechanism.states.expression import (
+    Expression,
+    exp,
+    log,
+    maximum,
+    minimum,
+    smooth_step,
+    where,
+)
 
 PRESSURE, WORK = 1e6, 1e3
 """Sizes of pressures, Pa, and of works, J, for error control."""
@@ -93,6 +101,7 @@ class Circuit:
         self.limits: list[tuple[Any, float, tuple[str, ...]]] = []
         """Elements with the largest pressure that they bear, and their ports."""
         self.heats: dict[str, Any] = {}
+        self.openings: dict[str, Any] = {}
         self._supplied: Any = 0.0
         self._mechanical: Any = 0.0
         self._stored: Any = 0.0
@@ -121,6 +130,11 @@ class Circuit:
     def add_output(self, name: str, value: Any) -> None:
         """Add an output."""
         self.outputs[name] = value
+
+    def opened(self, valve: str, over: Any) -> Any:
+        """Return the opening ``S(over)`` of a valve that a pressure opens, with its way noted."""
+        self.openings[valve] = limited(over, 0.0, 1.0)
+        return smooth_step(over)
 
     def add_node(self, name: str, start: float) -> str:
         """Add a node inside an element."""

@@ -178,6 +178,12 @@ class HydraulicNetwork(Block, tag="hydraulics"):
         """Largest rates of the states by name, 1/s: edges fully open at no pressure drop."""
         return {f"{self.name}.{name}": rate for name, rate in self._circuit.fastest.items()}
 
+    @property
+    def openings(self) -> Mapping[str, Expression]:
+        """Ways of the valves that pressures open, 0 to 1, by what they are called in messages."""
+        found: Mapping[str, Expression] = self._circuit.openings
+        return found
+
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return the equations of the circuit."""
         made = self._circuit

@@ -36,9 +36,11 @@ class ReliefValve(EdgeElement, tag="relief-valve"):
     def connect(self, circuit: Circuit) -> None:
         """Add the flow."""
         dp = circuit.pressure(self.a) - circuit.pressure(self.b)
-        opening = smooth_step((dp - self.setting) / self.full)
-        if self.lag is not None:
-            key = f"{self.name}_open"
+        over = (dp - self.setting) / self.full
+        if self.lag is None:
+            opening = circuit.opened(f"relief valve {self.name!r} (full)", over)
+        else:
+            opening, key = smooth_step(over), f"{self.name}_open"
             o = circuit.add_state(key, 0.0, 1.0)
             circuit.set_rate(key, (opening - o) / self.lag)
             opening = o
@@ -69,7 +71,8 @@ class CheckValve(EdgeElement, tag="check-valve"):
     def connect(self, circuit: Circuit) -> None:
         """Add the flow."""
         dp = circuit.pressure(self.a) - circuit.pressure(self.b)
-        opening = smooth_step((dp - self.cracking) / (self.full - self.cracking))
+        over = (dp - self.cracking) / (self.full - self.cracking)
+        opening = circuit.opened(f"check valve {self.name!r} (full)", over)
         opening = self.leak + (1.0 - self.leak) * opening
         circuit.add_edge(self.name, self.a, self.b, self.kv, opening)
 
@@ -115,8 +118,9 @@ class CounterbalanceValve(EdgeElement, tag="counterbalance-valve"):
             x = x + self.ratio * circuit.pressure(self.pilot)
         if not self.vented:
             x = x - (1.0 + self.ratio) * back
-        opening = smooth_step(x / self.full)
-        check = smooth_step((back - p - self.cracking) / (self.check_full - self.cracking))
+        opening = circuit.opened(f"counterbalance valve {self.name!r} (full)", x / self.full)
+        over = (back - p - self.cracking) / (self.check_full - self.cracking)
+        check = circuit.opened(f"check valve of {self.name!r} (check_full)", over)
         circuit.add_output(f"{self.name}_opening", opening)
         circuit.add_edge(self.name, self.load, self.line, self.kv, opening + check)
 

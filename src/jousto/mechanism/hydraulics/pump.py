@@ -131,7 +131,11 @@ class Pump(DisplacementElement, tag="pump"):
         p = circuit.pressure(self.b)
         if self.cutoff is not None:
             over = p - self.cutoff if self.sense is None else p - self.sense - self.cutoff
-            e = minimum(e, 1.0 - smooth_step(over / self.full))
+            if self.lag is None:
+                closed = circuit.opened(f"cut-off of pump {self.name!r} (full)", over / self.full)
+            else:
+                closed = smooth_step(over / self.full)
+            e = minimum(e, 1.0 - closed)
         if self.power is not None:
             w = rate(self.shaft) if self.shaft is not None else self.speed
             asked = maximum(self.displacement * absolute(w) * p, LEAST_POWER)

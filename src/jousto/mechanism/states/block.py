@@ -113,6 +113,11 @@ class Block(Declared, section="states"):
         return {}
 
     @property
+    def openings(self) -> Mapping[str, Expression]:
+        """Openings from 0 to 1 that steps have to follow, by name."""
+        return {}
+
+    @property
     def starts_in_pose(self) -> bool:
         """Whether initial values of states are those of the declared pose only."""
         return False

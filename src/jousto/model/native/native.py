@@ -254,6 +254,17 @@ class Engine:
         count = lib.jo_data_unproven(self._data, self._ffi.cast("double *", out.ctypes.data))
         return int(count), out[:count]
 
+    def openings(self) -> NDArray[np.float64]:
+        """Return rows (k, 2) of the openings of valves since the last call: change, time.
+
+        The change is the largest one between stages of ROS2, 1: from closed to open; the time is
+        that of the later stage, s.
+        """
+        out = np.zeros((sum(len(force.openings) for force in self.model.forces), 2))
+        if len(out):
+            self._library.jo_data_openings(self._data, self._ffi.cast("double *", out.ctypes.data))
+        return out
+
     def brief_touches(self) -> tuple[int, NDArray[np.float64]]:
         """Return the number of reported touches so far that last for less than 10 steps.
 

@@ -299,6 +299,7 @@ class Builder:
             release=release,
             state=self._states - len(push.states) if push.states else -1,
             state_names=push.states,
+            openings=push.openings,
             element=force.kind,
         )
 

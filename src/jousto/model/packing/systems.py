@@ -49,7 +49,10 @@ class System(ForceElement):
     def pushes(self) -> tuple[Push, ...]:
         """The system as a law of the engine."""
         names = tuple(f"{block.name}.{name}" for block, name in self._made.states)
-        network = Push("network", {}, numbers=self._packed, states=names, active=True)
+        openings = tuple(name for name, _ in self._made.openings)
+        network = Push(
+            "network", {}, numbers=self._packed, states=names, active=True, openings=openings
+        )
         return (network, *map(self._kept, self._made.kept))
 
     def _kept(self, memory: _Memory) -> Push:
@@ -95,6 +98,7 @@ class System(ForceElement):
             [made.register[node] for node in made.rates],
             [x for k, node in made.pushes for x in (k, made.register[node])],
             [x for row, column, node in made.slopes for x in (row, column, made.register[node])],
+            [made.register[node] for _, node in made.openings],
             number=self.number,
             states=len(made.states),
             coordinates=len(places),
@@ -105,6 +109,7 @@ class System(ForceElement):
             pushes=len(made.pushes),
             slopes=len(made.slopes),
             memories=made.memories,
+            openings=len(made.openings),
         )
         return Packed(data, coupled=(tuple(sorted(bodies)),))
 
@@ -153,6 +158,11 @@ class _Assembly:
             if block.memories
         ]
         self.seen = [self._node(one) for one in watched]
+        self.openings = [
+            (f"{name} of {block.kind} {block.name!r}", self._node(one))
+            for block in blocks
+            for name, one in block.openings.items()
+        ]
         self._differentiate()
         self._lay_out()
 
@@ -279,7 +289,8 @@ class _Assembly:
         first = {"state": 0, "value": n, "rate": n + m}
         rows = [*enumerate(self.rates), *((n + k, node) for k, node in self.pushes)]
         kept = [x for one in self.kept for x in (*one.updates, one.margin) if x is not None]
-        roots = [*self.rates, *(x for _, x in self.pushes), *self.seen, *kept]
+        found = [node for _, node in self.openings]
+        roots = [*self.rates, *(x for _, x in self.pushes), *self.seen, *kept, *found]
         self._values = self.program.below(roots)
         jacobian = self.program.jacobian([node for _, node in rows])
         self.slopes = [

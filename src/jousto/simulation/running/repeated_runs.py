@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from jousto.base.complexstep import plainly
-from jousto.base.errors import NotAnalytic
+from jousto.base.errors import NotAnalytic, warn
 from jousto.model.model import Model
 from jousto.model.native.ensemble import structure
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.start_complex_step import has_steps, plain_model
+from jousto.simulation.check_openings import opening_warning
 from jousto.simulation.results.contact_table import ContactTable
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import IN_MEMORY, MemoryRecords
@@ -196,6 +197,8 @@ class Repeated:
         except Contradiction:
             return None
         watch.judge()
+        if sentence := opening_warning(engine, plan.step):
+            warn(f"simulate {self._plain_model.name!r}", sentence)
         factor = (float(rows[-1, 0].real) - plan.start) / wall if wall > 0 else 0.0
         facts = {"ended": "completed", "wall_time": wall, "real_time_factor": factor, "complete": 1}
         about = {**self._about, "run": uuid.uuid4().hex}
