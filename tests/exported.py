@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -11,7 +13,10 @@ from pathlib import Path
 import numpy as np
 
 import jousto as jo
+from jousto.export.program import program
+from jousto.export.project import flat_files, one_file
 from jousto.export.toolchain import with_includes
+from jousto.simulation.solvers.base import Solver
 
 CC = shutil.which("cc")
 WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror")
@@ -130,22 +135,48 @@ def reaching_arm() -> jo.Mechanism:
     )
 
 
-OBJECTS: dict[tuple[str, ...], bytes] = {}
-"""What was compiled, by flags and texts: most files of all machines are those of the engine."""
+def objects() -> Path:
+    """Return the folder of what was compiled in this run of the tests, by all of its processes."""
+    return Path(os.environ["JOUSTO_CACHE"]) / "programs"
 
 
 def compiled(folder: Path, *sources: str, flags: tuple[str, ...] = FLAGS) -> Path:
+    """Compile files and link a program; what was compiled before is taken as it was made."""
     out = folder / "program"
     texts = {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.[ch]")}
     parts = [f"{name}.o" for name in sources]
     for name, part in zip(sources, parts, strict=True):
-        key = (*flags, name, *with_includes(texts, name))
-        if key not in OBJECTS:
+        words = (*flags, name, *with_includes(texts, name))
+        key = hashlib.sha256(repr(words).encode()).hexdigest()
+        known = objects() / f"{key}.o"
+        if not known.exists():
             run(folder, *WARNINGS, *flags, "-I.", "-c", name, "-o", part)
-            OBJECTS[key] = (folder / part).read_bytes()
-        (folder / part).write_bytes(OBJECTS[key])
+            known.parent.mkdir(exist_ok=True)
+            beside = known.with_name(f"{key}.{os.getpid()}")
+            shutil.copyfile(folder / part, beside)
+            beside.replace(known)
+        else:
+            shutil.copyfile(known, folder / part)
     run(folder, *flags, *parts, "-o", str(out), "-lm")
     return out
+
+
+def rows_of(model: jo.Model, solver: Solver | None, folder: Path, *arguments: str) -> np.ndarray:
+    """Return what the program of a machine prints, not optimised, its engine compiled once."""
+    made = program(model, solver, name="plant")
+    files = flat_files(made, "main.c")
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    sources = [name for name in files if name.endswith(".c")]
+    found = table(compiled(folder, *sources, flags=("-DJO_NO_ALLOCATION", *PLAIN)), *arguments)
+    # in one file none of its names may be one of the engine
+    names = {re.sub(r"\d+", "", x) for x in re.findall(r"^static .*?(\w+)\[", made.source, re.M)}
+    known = objects() / hashlib.sha256(repr(sorted(names)).encode()).hexdigest()
+    if not known.exists():
+        (folder / "alone.c").write_text(one_file(made, "main.c"), encoding="utf-8")
+        run(folder, *WARNINGS, "-DMAIN", "-fsyntax-only", "alone.c")
+        known.touch()
+    return found
 
 
 def run(folder: Path, *words: str) -> None:

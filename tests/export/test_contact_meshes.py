@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from exported import CC, PLAIN, STEP, compiled, expected, table
-from jousto.export.project import write_program
+from exported import CC, STEP, expected, rows_of
 from jousto.mechanism import Contact, HeightField, PowerLaw, Sphere
 
 pytestmark = pytest.mark.skipif(
@@ -29,8 +28,7 @@ def test_a_program_follows_the_triangles(tmp_path: Path) -> None:
     place = jo.PositionSensor("p", ball["origin"])
     model = jo.compile(jo.Mechanism(ball, touch, jo.Gravity((0, 0, -9.81)), place))
     solver = jo.RK4(step=STEP)
-    write_program(model, tmp_path / "ball.c", solver)
-    found = table(compiled(tmp_path, "ball.c", flags=(*PLAIN, "-DMAIN")), "0.4", "10")
+    found = rows_of(model, solver, tmp_path, "0.4", "10")
     want = expected(model, jo.simulate(model, 0.4, solver=solver, output_step=0.04))
     assert np.abs(found - want).max() < 1e-9
     assert np.abs(np.diff(want[:, -1])).max() > 0.01

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from exported import CC, PLAIN, STEP, compiled, expected, table
-from jousto.export.project import write_program
+from exported import CC, STEP, expected, rows_of
 from jousto.mechanism import CollisionShape, Contacts, HalfSpace, PowerLaw, Sphere
 
 pytestmark = pytest.mark.skipif(
@@ -33,8 +32,7 @@ def test_a_program_finds_the_pairs(tmp_path: Path) -> None:
     places = [jo.PositionSensor(f"p{i}", one["origin"]) for i, one in enumerate(balls)]
     model = jo.compile(jo.Mechanism(*balls, touch, jo.Gravity((0, 0, -9.81)), *places))
     solver = jo.RK4(step=STEP)
-    write_program(model, tmp_path / "balls.c", solver)
-    found = table(compiled(tmp_path, "balls.c", flags=(*PLAIN, "-DMAIN")), "0.4", "10")
+    found = rows_of(model, solver, tmp_path, "0.4", "10")
     want = expected(model, jo.simulate(model, 0.4, solver=solver, output_step=0.04))
     assert np.abs(found - want).max() < 1e-9
     assert np.abs(want[:, 1]).max() > 0.05  # the balls have touched

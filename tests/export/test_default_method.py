@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from exported import CC, PLAIN, compiled, table
-from jousto.export.project import write_program
+from exported import CC, rows_of
 
 pytestmark = pytest.mark.skipif(
     CC is None or sys.platform == "win32", reason="no C compiler to compile the programs with"
@@ -45,6 +44,5 @@ def test_a_damper_that_is_fast_for_a_millisecond(tmp_path: Path):
     model = braked_swing()
     # the reference chooses its own steps by its errors
     exact = jo.simulate(model, 0.5, solver=jo.simulation.DormandPrince(tolerance=1e-9, output=0.1))
-    write_program(model, tmp_path / "swing.c")
-    rows = table(compiled(tmp_path, "swing.c", flags=(*PLAIN, "-DMAIN")), "0.5", "5")
+    rows = rows_of(model, None, tmp_path, "0.5", "5")
     np.testing.assert_allclose(rows[:, 1], exact["angle"][:, 0], rtol=0, atol=1e-3)

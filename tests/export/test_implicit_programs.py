@@ -14,8 +14,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from exported import CC, PLAIN, STEP, compiled, expected, table
-from jousto.export.project import write_program
+from exported import CC, STEP, expected, rows_of
 from jousto.simulation.state import put
 
 pytestmark = pytest.mark.skipif(
@@ -60,8 +59,7 @@ def test_a_program_moves_as_the_run_and_reads_its_states(
     model: jo.Model, tangent: str, tolerance: float, tmp_path: Path
 ) -> None:
     solver = jo.GeneralizedAlpha(STEP, tangent=tangent, tolerance=tolerance)
-    write_program(model, tmp_path / "arm.c", solver)
-    found = table(compiled(tmp_path, "arm.c", flags=(*PLAIN, "-DMAIN")), "0.1", "5")
+    found = rows_of(model, solver, tmp_path, "0.1", "5")
     run = jo.simulate(model, 0.1, solver=solver, output_step=0.02)
     want = evaluated(model, run)
     scale = np.maximum(np.abs(want).max(axis=0), 1e-3)  # what vanishes in the plane

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from exported import CC, PLAIN, compiled, expected, table
+from exported import CC, PLAIN, compiled, expected, rows_of, table
 from jousto.export.project import write_program
 from jousto.mechanism import BrushTyre, MagicFormula, PowerLaw, TrackContact, Tyre
 
@@ -48,8 +48,7 @@ def test_a_program_rolls(tmp_path: Path) -> None:
     items += [beam, held, ball, touch, jo.PositionSensor("ball", ball["origin"])]
     model = jo.compile(jo.Mechanism(*items, jo.Gravity((0, 0, -9.81))))  # type: ignore[arg-type]
     solver = jo.RK4(step=1e-4)
-    write_program(model, tmp_path / "rolls.c", solver)
-    found = table(compiled(tmp_path, "rolls.c", flags=(*PLAIN, "-DMAIN")), "0.2", "10")
+    found = rows_of(model, solver, tmp_path, "0.2", "10")
     want = expected(model, jo.simulate(model, 0.2, solver=solver, output_step=0.02))
     assert np.abs(found - want).max() < 1e-9
     assert np.abs(np.diff(want, axis=0)).max() > 0.01

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from exported import CC, PLAIN, compiled, expected, table as table_of
-from jousto.export.project import write_program
+from exported import CC, expected, rows_of
 from jousto.mechanism import (
     BlockForce,
     LookupMap,
@@ -45,8 +44,7 @@ def test_a_program_has_states(tmp_path: Path, core: str, method: str) -> None:
     sensors = StateSensor("i", winding["i"], unit="A"), jo.RateSensor("w", axle.angle)
     model = jo.compile(jo.Mechanism(wheel, axle, winding, *sensors, core=core))
     solver = getattr(jo, method)(step=2e-4)
-    write_program(model, tmp_path / "motor.c", solver)
-    found = table_of(compiled(tmp_path, "motor.c", flags=(*PLAIN, "-DMAIN")), "0.05", "10")
+    found = rows_of(model, solver, tmp_path, "0.05", "10")
     want = expected(model, jo.simulate(model, 0.05, solver=solver, output_step=5e-3))
     assert np.abs(found - want).max() < 1e-9 * np.abs(want).max()
     assert np.abs(np.diff(want, axis=0)).max() > 0.01
@@ -92,8 +90,7 @@ def test_a_program_has_a_hydraulic_network(tmp_path: Path, core: str, method: st
     sensors = [StateSensor(name, network[name]) for name in names]
     model = jo.compile(jo.Mechanism(load, rail, network, *sensors, core=core))
     solver = getattr(jo, method)(step=2e-5 if method == "RK4" else 2e-4)
-    write_program(model, tmp_path / "oil.c", solver)
-    found = table_of(compiled(tmp_path, "oil.c", flags=(*PLAIN, "-DMAIN")), "0.05", "10")
+    found = rows_of(model, solver, tmp_path, "0.05", "10")
     want = expected(model, jo.simulate(model, 0.05, solver=solver, output_step=5e-3))
     scale = np.abs(want).max(axis=0)
     assert (np.abs(found - want).max(axis=0) <= 1e-8 * scale).all()
@@ -124,8 +121,7 @@ def test_a_program_has_samples_play_relays_and_tables(
     blocks = control, play, relay, table, push
     model = jo.compile(jo.Mechanism(cart, rail, start, *blocks, *sensors, core=core))
     solver = getattr(jo, method)(step=1e-3)
-    write_program(model, tmp_path / "cart.c", solver)
-    found = table_of(compiled(tmp_path, "cart.c", flags=(*PLAIN, "-DMAIN")), "1.0", "20")
+    found = rows_of(model, solver, tmp_path, "1.0", "20")
     run = jo.simulate(model, 1.0, solver=solver, output_step=0.05)
     want = expected(model, run)
     assert np.abs(found - want).max() < 1e-9 * np.abs(want).max()

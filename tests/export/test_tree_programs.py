@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from exported import CC, PLAIN, STEP, compiled, expected, reaching_arm, table
+from exported import CC, PLAIN, STEP, compiled, expected, reaching_arm, rows_of
 from jousto.export.program import program
 from jousto.export.project import write_program
 from model.test_tree_ports import machine
@@ -33,10 +33,10 @@ def folder(model: jo.Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def test_a_program_runs_the_tree(model: jo.Model, folder: Path) -> None:
+def test_a_program_runs_the_tree(model: jo.Model, tmp_path: Path) -> None:
     """Links of every kind, a drive, all forces, an event and damage: the same within round-off."""
     assert {link.kind for link in model.links} == {"hinge", "slide", "ball", "fixed", "free"}
-    found = table(compiled(folder, "arm.c", flags=(*PLAIN, "-DMAIN")), "0.4", "10")
+    found = rows_of(model, jo.ROS2(step=STEP), tmp_path, "0.4", "10")
     run = jo.simulate(model, 0.4, solver=jo.ROS2(step=STEP), output_step=0.04)
     want = expected(model, run)
     # what the other core computes differs by 1e-6 m and 1e-3 N, the error of the method; touches
@@ -68,8 +68,7 @@ def test_a_program_runs_trees_on_flexible_bodies(solver: jo.RK4 | jo.ROS2, tmp_p
     """Links of every kind on bodies that stay, drives, springs: the same within round-off."""
     model = jo.compile(machine(1, drives=True), core="joint")
     assert {link.kind for link in model.links} == {"body", "hinge", "slide", "ball", "fixed"}
-    write_program(model, tmp_path / "crane.c", solver)
-    found = table(compiled(tmp_path, "crane.c", flags=(*PLAIN, "-DMAIN")), "0.1", "5")
+    found = rows_of(model, solver, tmp_path, "0.1", "5")
     run = jo.simulate(model, 0.1, solver=solver, output_step=0.02)
     want = expected(model, run)
     scale = np.maximum(np.abs(want).max(axis=0), 1e-3)  # moments about free axes vanish

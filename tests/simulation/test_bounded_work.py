@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from exported import CC, PLAIN, compiled, expected, table
+from exported import CC, expected, rows_of
 from jousto.export.project import write_program
 from jousto.mechanism import HalfSpace, Sphere
 from jousto.schema.read import parse_model
@@ -162,8 +162,7 @@ def test_a_simulator_counts_what_it_defers() -> None:
 @pytest.mark.skipif(CC is None or sys.platform == "win32", reason="no C compiler")
 def test_an_exported_program_computes_the_same(tmp_path: Path) -> None:
     model, solver = floor(), jo.ROS2(2e-3, events="step")
-    write_program(model, tmp_path / "floor.c", solver)
-    program = compiled(tmp_path, "floor.c", flags=(*PLAIN, "-DMAIN"))
+    found = rows_of(model, solver, tmp_path, "2.0", "100")
     run = jo.simulate(model, 2.0, solver=solver, output_step=0.02)
     rows = expected(model, run)
-    np.testing.assert_allclose(table(program, "2.0", "100"), rows, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(found, rows, rtol=0.0, atol=1e-12)
