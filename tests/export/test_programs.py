@@ -20,6 +20,7 @@ from exported import (
     compiled,
     engine_rows,
     reaching_arm,
+    rows_of,
     swinging_arm,
     table,
 )
@@ -63,11 +64,10 @@ def test_a_program_of_one_file_computes_the_bits_of_the_engine(
 def test_a_program_has_each_method(solver: type, make: Callable, tmp_path: Path) -> None:
     """Within round-off; the explicit one for rigid bodies: modes need shorter steps."""
     machine = jo.compile(make(), core="maximal")
-    write_program(machine, tmp_path / "arm.c", solver(step=STEP))
-    program = compiled(tmp_path, "arm.c", flags=(*FLAGS, "-DMAIN"))
+    found = rows_of(machine, solver(step=STEP), tmp_path, "0.2", "5")
     rows = engine_rows(tmp_path, 0.2, 5, make.__name__, "maximal", solver.__name__)
     scale = np.maximum(np.abs(rows).max(axis=0), 1e-9)
-    assert (np.abs(table(program, "0.2", "5") - rows) <= 1e-10 * scale).all()
+    assert (np.abs(found - rows) <= 1e-10 * scale).all()
 
 
 @pytest.mark.skipif(shutil.which("make") is None, reason="no make")

@@ -39,9 +39,9 @@ def test_steps_of_a_model_file_are_timed(tmp_path: Path, capsys: pytest.CaptureF
     path = tmp_path / "mass.yaml"
     path.write_text(MODEL)
     with pytest.raises(SystemExit) as end:
-        app(["realtime", str(path), "--steps", "2000", "--step", "0.5 ms"])
+        app(["realtime", str(path), "--steps", "1000", "--step", "0.5 ms"])
     out = capsys.readouterr().out
-    assert end.value.code in (0, None) and "2000 steps of 0.0005 s" in out
+    assert end.value.code in (0, None) and "1000 steps of 0.0005 s" in out
     if shutil.which("valgrind"):
         assert re.search(r"trees in joint coordinates +\d+, .* each of 1\n", out)
         assert re.search(r"work +\d+ instructions a step", out)

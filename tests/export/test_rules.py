@@ -14,7 +14,6 @@ import pytest
 
 import jousto as jo
 from exported import CC, STEP
-from jousto.export import toolchain
 from jousto.export.fmu import write_fmu
 
 fmpy = pytest.importorskip("fmpy")
@@ -45,9 +44,7 @@ def model() -> jo.Model:
 @pytest.fixture(scope="module", params=(2, 3))
 def unit(request: Any, model: jo.Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("rules") / "pendulum.fmu"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(toolchain, "FLAGS", ("-std=c99", "-O1"))
-        return write_fmu(model, out, jo.RK4(step=STEP), version=request.param)
+    return write_fmu(model, out, jo.RK4(step=STEP), version=request.param)
 
 
 class Instance:
