@@ -634,3 +634,41 @@ def test_faults_are_signals(core: str) -> None:
     assert np.ptp(stuck) < 1e-3 and stuck[0] > 0.5
     assert 10e6 < run["P"][999, 0] < 11e6
     assert 1e6 < run["P"][-1, 0] < 2e6
+
+
+def test_gradients_by_sizes_of_elements() -> None:
+    """Bore of a cylinder and flow of an edge by complex steps, against central differences."""
+
+    def lift(bore: float, flow: float) -> jo.Mechanism:
+        load = jo.RigidBody("load", 800.0, (10, 10, 10), position=(0, 0, 0.8))
+        rail = jo.Prismatic("rail", jo.ground["origin"], load["origin"], axis=(0, 0, 1))
+        network = HydraulicNetwork(
+            "oil",
+            [
+                *(Supply("high", 8e6), Tank("tank"), Node("A", start=3e6)),
+                Orifice("edge", "high", "A", flow=flow * LPM),
+                ReliefValve("relief", "A", "tank", setting=21e6, flow=40 * LPM),
+                HydraulicCylinder(
+                    *("lift", jo.ground["origin"], load["origin"], "A"),
+                    bore=bore,
+                    stroke=0.5,
+                    closed=0.6,
+                    damping=1e3,
+                ),
+            ],
+        )
+        speed = jo.RateSensor("speed", rail.displacement)
+        return jo.Mechanism(load, rail, network, jo.Gravity((0, 0, -9.81)), speed)
+
+    sizes, solver = {"bore": 0.063, "flow": 10.0}, jo.ROS2(1e-3)
+    parameters = [jo.Parameter(name, size) for name, size in sizes.items()]
+    study = jo.study(lift, parameters, {"v": "max(speed)"}, t_end=0.1, solver=solver)
+    found = jo.design.gradient(study)
+    assert found.how == (("complex step", "complex step"),)
+    for name, size in sizes.items():
+        ends = [
+            jo.simulate(jo.compile(lift(**{**sizes, name: x})), 0.1, solver=solver)["speed"].max()
+            for x in (size * (1 + 1e-5), size * (1 - 1e-5))
+        ]
+        assert found["v", name] == pytest.approx((ends[0] - ends[1]) / (2e-5 * size), rel=1e-6)
+        assert abs(found["v", name]) > 1e-3
