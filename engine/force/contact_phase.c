@@ -6,6 +6,7 @@ enum { JO_CURVE_HALVINGS = 20 };    /* of the largest depth of a touch */
 #define JO_CONTACT_PARTS 20.0   /* steps in which a short contact is resolved */
 #define JO_CONTACT_LASTS 4.0    /* age of a contact over its duration without loss, from which on it is not short: also with large mass and loss */
 #define JO_NO_SLIP 1e-8     /* slip over the slowest approach of the law below which it is the round-off of an impulse or of a stop: none */
+#define JO_BEYOND_REASON 1e3    /* force of a bristle over its limit that no motion has, only round-off of a depth near 0 */
 #define JO_STEEPEST 1.875         /* mu' velocity / mu_static of the smooth law at rest */
 
 /* A slip has no direction where it is round-off: friction of mu N along it would push anywhere, and its tangent mu N / |slip| has no end. */
@@ -15,6 +16,15 @@ static int slides(const jo_contact_law *x, const jo_contact_point *y) { return J
 static int breaks(const jo_contact_law *x, const jo_contact_point *y)
 {
     return slides(x, y) && JO_RE(y->size) > JO_RE(x->mu_static * y->N) && JO_RE(jo_dot3(y->force, y->slip)) < 0.0;
+}
+
+/* Shorten a stretch s beyond all reason to the limit of the bristle. At a depth of round-off, with no speed of approach, the rate d' / d at which the
+ * bristle is shortened is arbitrary in the stages of an explicit step. */
+static void shorten(const jo_contact_law *x, const jo_contact_point *y, jo_real *s)
+{
+    const jo_real limit = x->mu_static * y->N;
+    if (!(JO_RE(limit) > 0.0 && JO_RE(y->size) > JO_BEYOND_REASON * JO_RE(limit))) return;
+    for (int i = 0; i < 3; i++) s[i] *= limit / y->size;
 }
 
 /* stretch at which the bristle has the force mu_k N in the direction of a slip e, not longer than `longest` */
@@ -103,7 +113,10 @@ static void change_phase(const jo_contact_law *x, const jo_contact_point *y, jo_
     switch (jo_contact_phase(state)) {
     case JO_CONTACT_STICKS:
         jo_set3(s, y->stretch);
-        if (!breaks(x, y)) break;
+        if (!breaks(x, y)) {
+            shorten(x, y, s);
+            break;
+        }
         state[JO_CONTACT_PHASE] = jo_same(JO_CONTACT_SLIPS);
         full_stretch(x, y, y->slip, jo_length3(y->stretch), s);
         break;

@@ -25,11 +25,11 @@ METHODS = (
 # -- Painleve's rod -------------------------------------------------------------------------------
 
 
-def rod(mu: float, law: Any, lean: float = float(np.arctan(2.0))) -> Any:
-    """A rod of 1 kg and 1 m whose tip slides at 1 m/s, ahead of its centre of mass, 1 nm deep."""
-    half, inertia = 0.5, 1 / 12
+def rod(mu: float, law: Any, deep: float = 1e-9) -> Any:
+    """A rod of 1 kg and 1 m whose tip slides at 1 m/s, ahead of its centre of mass."""
+    half, inertia, lean = 0.5, 1 / 12, np.arctan(2.0)
     tilt = jo.Rotate((0, 1, 0), degrees=-float(np.degrees(lean)))
-    at = (half * np.cos(lean), 0, half * np.sin(lean) - 1e-9)
+    at = (half * np.cos(lean), 0, half * np.sin(lean) - deep)
     body = jo.RigidBody(
         *("rod", 1.0, (1e-3, inertia, inertia)), position=at, orientation=tilt, velocity=(-1, 0, 0)
     )
@@ -73,6 +73,17 @@ def test_a_jammed_rod_stays(solver):
         late = run.time > 0.1
         assert (run["phase"][late, 0] == STICKS).all()
         assert np.ptp(run["x"][late, 0]) < 1e-4
+
+
+@pytest.mark.parametrize("solver", [*METHODS[:3], jo.RK4(1e-4)], ids=lambda s: type(s).__name__)
+def test_a_touch_at_a_depth_of_rounding(solver):
+    """Friction acts against the slip from the second step on: the bristle is at most mu N / k.
+
+    A tip that is 6e-17 m deep at the start had a bristle of 6 cm, in the direction of the slip.
+    """
+    run = jo.simulate(rod(0.5, PowerLaw(1e6, restitution=1.0), deep=0.0), 0.005, solver=solver)
+    assert (run["N"][2:, 0] > 0.4 * run["N"][2:, 2]).all()
+    assert run["N"][-1, 0] == pytest.approx(0.5 * run["N"][-1, 2], rel=1e-6)
 
 
 # -- wedges and drawers ---------------------------------------------------------------------------
