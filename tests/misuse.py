@@ -656,7 +656,7 @@ def _twins(made: Made, folder: Path) -> list[Call]:
 
 def _states(made: Made, _: Path) -> list[Call]:
     words = jo.mechanism
-    hinge = made["mechanism"].joints[0]
+    hinge, wrist = made["mechanism"].joints
     x = words.value(hinge.angle)
     one = [
         (getattr(words, name), {"x": x})
@@ -725,6 +725,33 @@ def _states(made: Made, _: Path) -> list[Call]:
             },
         ),
         (words.RopeSpan, {"a": jo.ground.at((0, 7, 0)), "b": hinge.b}),
+        (
+            words.BeltDrive,
+            {
+                "name": "r",
+                "a": hinge.b,
+                "b": wrist.b,
+                "radius_a": 0.01,
+                "radius_b": 0.01,
+                "turn_a": hinge.angle,
+                "turn_b": wrist.angle,
+                "stiffness": 1.0,
+                "mu": 0.1,
+                "preload": 0.0,
+                "axis": (0, 1, 0),
+            },
+        ),
+        (
+            words.Capstan,
+            {
+                "name": "r",
+                "path": (jo.ground.at((-1, 7, 0)), hinge.b, jo.ground.at((1, 7, 0))),
+                "radii": (0, 0.1, 0),
+                "stiffness": 1.0,
+                "mu": 0.1,
+                "axis": (0, 0, 1),
+            },
+        ),
         (
             words.Reeving,
             {

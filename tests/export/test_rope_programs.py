@@ -13,7 +13,7 @@ import jousto as jo
 from exported import CC, PLAIN, compiled, expected, table
 from jousto.export.fmu import write_fmu
 from jousto.export.project import write_program
-from jousto.mechanism import ForceStateSensor, Reeving, RopeSpan, Slider, StateSensor
+from jousto.mechanism import Capstan, ForceStateSensor, Reeving, RopeSpan, Slider, StateSensor
 
 pytestmark = [
     pytest.mark.skipif(
@@ -38,7 +38,27 @@ def hoist() -> list[Any]:
     guy = jo.Spring("guy", RopeSpan(jo.ground.at((2, 0, 1)), block["origin"], 0.1, -R), 200.0, 5.0)
     sensors = [StateSensor(n, rope[n]) for n in ("tension", "tension_end", "strain", "paid_out")]
     p = jo.PositionSensor("p", block["origin"]), jo.CoordinateSensor("turn", axle.angle)
-    return [block, wheel, axle, brake, rope, guy, *sensors, *p, jo.Gravity((0, -9.81, 0))]
+    hand = jo.RigidBody("hand", 9.0, (1, 1, 1), position=(5, -1, 0))
+    rail = jo.Prismatic("rail", jo.ground.at((5, -1, 0)), hand["origin"], axis=(0, 1, 0))
+    spring = jo.Spring.between("held", hand["origin"], jo.ground.at((5, -2, 0)), 500.0)
+    path = jo.ground.at((4, -2, 0)), jo.ground.at((4.5, 0, 0)), hand["origin"]
+    line = Capstan("line", path, (0, -0.1, 0), stiffness=1e4, damping=20.0, mu=0.1)
+    sensors += [StateSensor(n, line[n]) for n in ("slip", "heat")]
+    return [
+        block,
+        wheel,
+        axle,
+        brake,
+        rope,
+        guy,
+        hand,
+        rail,
+        spring,
+        line,
+        *sensors,
+        *p,
+        jo.Gravity((0, -9.81, 0)),
+    ]
 
 
 def carriage(flexible: bool) -> list[Any]:
@@ -85,6 +105,7 @@ def test_a_program_hoists_and_slides(
     last = jo.simulate(model, 0.3, solver=solver)
     assert last["paid_out"][-1, 0] < -0.1
     assert np.ptp(last["tension"]) > 10.0
+    assert np.ptp(last["slip"]) > 1e-6
     assert np.ptp(last["way"]) > 0.1
 
 

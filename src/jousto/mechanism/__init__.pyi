@@ -92,6 +92,7 @@ from .states.arithmetic import (
     Saturation as Saturation,
     Switch as Switch,
 )
+from .states.belt import BeltDrive as BeltDrive, Capstan as Capstan
 from .states.block import Block as Block, Equations as Equations, States as States
 from .states.control import PIDController as PIDController, RateLimit as RateLimit
 from .states.expression import (

@@ -2,71 +2,27 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import Problems, warn
-from jousto.base.fields import Field, field, kept
+from jousto.base.fields import field, kept
 from jousto.base.numbers import DefaultNumber, DefaultValues, Number, Values
-from jousto.base.rotations import Direction, exp_rotation, turn_onto
+from jousto.base.rotations import Direction, exp_rotation
 from jousto.mechanism.bodies.marker import Marker, MarkersField
-from jousto.mechanism.joints.base import aligned
-from jousto.mechanism.joints.coordinate import Coordinate, check_coordinate
-from jousto.mechanism.joints.rope_span import RopeSpan, misfit, rope_direction, wrap_angle
+from jousto.mechanism.joints.rope_span import wrap_angle
 from jousto.mechanism.signals.base import OptionalSignal
 from jousto.mechanism.states import expression as e
 from jousto.mechanism.states.block import Block, Equations
-
-MOST_WRAP = np.radians(270.0)
-"""Angle on a sheave, rad, above which the rope is taken not to touch it, or on its other side."""
+from jousto.mechanism.states.rope_path import OptionalCoordinate, rope_path
 
 TOO_SHORT = 0.05
 """Strain at the start that is probably a mistake; a rope of steel breaks at 0.02."""
 ARC = np.radians(30.0)
 """Angle between points of pictures on a sheave, rad."""
-
-
-class OptionalCoordinate(Field[Coordinate | None, Coordinate | None]):
-    """Field of a coordinate, or None."""
-
-    form = "coordinate"
-    noun = "Coordinate"
-
-    def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the coordinate or None, or report a value of another type."""
-        return None if value is None else check_coordinate(problems, where, self.name, value)
-
-
-@dataclass(frozen=True, eq=False)
-class RopePart:
-    """Rope between two sheaves: its span, None if its length is constant, and further length.
-
-    Parameters
-    ----------
-    span : RopeSpan or None
-        Coordinate of its length.
-    constant : float
-        Length beside the value of the coordinate, m: half the arcs at both ends.
-    """
-
-    span: RopeSpan | None
-    constant: Any
-
-    @property
-    def length(self) -> Any:
-        """Length as an expression, m."""
-        fixed = e.expression(self.constant)
-        return fixed if self.span is None else e.value(self.span) + fixed
-
-    @property
-    def rate(self) -> Any:
-        """Rate of the length as an expression, m/s."""
-        return e.expression(0.0) if self.span is None else e.rate(self.span)
 
 
 class Reeving(Block, tag="reeving"):
@@ -193,12 +149,11 @@ class Reeving(Block, tag="reeving"):
                 return
         if (self.drum is None) != (self.drum_radius == 0.0):
             problems.add(where, "drum and drum_radius go together; give both or none", "drum")
-        made = self._made(problems, where)
-        if not made:
+        rope = rope_path(problems, where, self, self.path)
+        if rope is None:
             return
-        object.__setattr__(self, "parts", made)
-        if all(part.span is None for part in made):
-            problems.add(where, "nothing on its path can move", "path")
+        for name in ("parts", "ways", "axles"):
+            object.__setattr__(self, name, getattr(rope, name))
         length: Any = self.length
         if length is None:
             object.__setattr__(self, "length", self.initial_length)
@@ -209,56 +164,12 @@ class Reeving(Block, tag="reeving"):
                 "starts stretched; check length, radii and their signs",
             )
 
-    def _made(self, problems: Problems, where: str) -> tuple[RopePart, ...]:
-        """Return the parts of the rope; none if no rope fits between sheaves."""
-        markers = [
-            marker if self.axis is None else aligned(marker, turn_onto(marker.A, self.axis))
-            for marker in self.path
-        ]
-        radii: list[Any] = list(self.radii)
-        spans: list[RopeSpan | None] = []
-        directions = []
-        for k, (a, b) in enumerate(itertools.pairwise(markers)):
-            way = rope_direction(a, b, radii[k], radii[k + 1])
-            problem = misfit(a, b, radii[k], radii[k + 1], way)
-            if problem:
-                problems.add(where, problem, "path")
-                return ()
-            rigid = a.body is b.body and (a.site is None or a.site == b.site)
-            name = f"{self.name}.part{k + 1}"
-            spans.append(None if rigid else RopeSpan(a, b, radii[k], radii[k + 1], name=name))
-            directions.append(way)
-        object.__setattr__(self, "ways", tuple(directions))
-        object.__setattr__(self, "axles", tuple(marker.A[:, 2] for marker in markers))
-        arcs: list[Any] = [0.0]
-        for k in range(1, len(spans)):
-            marker = markers[k]
-            turn = wrap_angle(marker.A[:, 2], directions[k - 1], directions[k], radii[k])
-            if np.real(turn) > MOST_WRAP:
-                problems.add(
-                    where,
-                    f"the rope would wrap {np.degrees(float(np.real(turn))):.0f} degrees around "
-                    f"{marker.label}, it does not touch this sheave or runs in the other sense: "
-                    f"change the sign of radii[{k}], or leave the sheave out",
-                    "radii",
-                )
-                return ()
-            arcs.append((radii[k] if np.real(radii[k]) > 0 else -radii[k]) * turn)
-        arcs.append(0.0)
-        made = []
-        for k, (span, way) in enumerate(zip(spans, directions, strict=True)):
-            constant = 0.5 * (arcs[k] + arcs[k + 1])
-            if span is None:
-                constant = constant + way @ (markers[k + 1].r - markers[k].r)
-            made.append(RopePart(span, constant))
-        return tuple(made)
-
     @property
     def initial_length(self) -> float:
         """Length of the rope along the sheaves at the initial pose, m."""
         total: Any = 0.0
         for part in self.parts:
-            total = total + part.constant + (0.0 if part.span is None else part.span.initial)
+            total = total + part.initial
         return total  # type: ignore[no-any-return]
 
     @property
