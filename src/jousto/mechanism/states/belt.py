@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,8 +29,7 @@ LARGEST_EXPONENT = 50.0
 """Largest mu times angle; the tension beyond it is 0 within round-off."""
 
 
-@dataclass(frozen=True, eq=False)
-class Side:
+class Side(NamedTuple):
     """One of both sides of a rope: its parts, and the rims that take rope off it.
 
     Parameters
@@ -61,8 +59,7 @@ class Side:
         return _sum([self.rate, *(arm * e.rate(turn) for turn, arm in self.turns)])
 
 
-@dataclass(frozen=True, eq=False)
-class FrictionLaw:
+class FrictionLaw(NamedTuple):
     """Law of a rope on sheaves with friction.
 
     Parameters

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -66,8 +66,7 @@ class RopePart:
         return e.expression(0.0) if self.span is None else e.rate(self.span)
 
 
-@dataclass(frozen=True, eq=False)
-class RopePath:
+class RopePath(NamedTuple):
     """A rope along its sheaves at the initial pose.
 
     Parameters
