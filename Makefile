@@ -110,7 +110,9 @@ docs: $(VENV)/.docs $(PAGE)  ## documentation in build/docs, warnings are errors
 # ---- checks ----------------------------------------------------------------------------------------
 
 .PHONY: test quick lint types layers sanitize page-test unit slow cores kernels kernel-names old-processor tables format
-test: lint types layers sanitize page-test unit  ## every check except the slow verification runs
+test: $(VENV)/.dev $(PAGE)  ## every check except the slow verification runs
+	@$(MAKE) -j2 lint types layers sanitize page-test
+	@$(MAKE) unit
 
 lint: $(VENV)/.dev
 	@$(BIN)/ruff format --check .

@@ -254,7 +254,7 @@ def test_equal_shapes_share_their_numbers():
         named = shapes_of([(b, Cuboid((0.1, 0.1, 0.1))) for b in boxes])
         model = jo.compile(jo.Mechanism(*boxes, Contacts("c", named, law=PowerLaw(1e6))))
         sizes.append(np.size(model.forces[0].data))
-    assert sizes[1] - sizes[0] == 10 * (16 + 8 * 7)
+    assert sizes[1] - sizes[0] == 10 * (16 + 8 * 10)
 
 
 TERRAIN = HeightField(0.1 * np.random.default_rng(3).uniform(size=(21, 21)), 4.0, 4.0)
