@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import jousto as jo
-from jousto.electric import Brake, Gear, SynchronousMotor, ThermalLoad
+from jousto.electric import Brake, Gearbox, SynchronousMotor, ThermalLoad
 from jousto.mechanism import BlockForce, PIDController, StateSensor, rate, value
 from jousto.output.style import COLORS, STYLE
 
@@ -51,7 +51,7 @@ def axis(backlash: float) -> jo.Mechanism:
         weakening=True,
         book=True,
     )
-    gear = Gear(
+    gear = Gearbox(
         *("gear", shaft.angle, elbow.angle, RATIO, 8e4, 400.0),
         backlash=backlash,
         efficiency=EFFICIENCY,

@@ -814,7 +814,7 @@ def _electric(made: Made, _: Path) -> list[Call]:
     return [
         (e.DCMotor, shaft | {"voltage": 12.0, "inductance": 1e-3, "constant": 0.1}),
         (e.SynchronousMotor, shaft | plate | control),
-        (e.Gear, {"name": "s"} | gear),
+        (e.Gearbox, {"name": "s"} | gear),
         (e.Brake, {"name": "s"} | brake),
         (e.ThermalLoad, {"name": "s", "current": 1.0, "rated": 4.0, "time": 60.0}),
     ]

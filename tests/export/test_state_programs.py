@@ -148,7 +148,7 @@ def test_a_program_has_an_electric_drive(tmp_path: Path, core: str, method: str)
         weakening=True,
         strategy="least-current",
     )
-    gear = jo.electric.Gear(
+    gear = jo.electric.Gearbox(
         *("g", shaft.angle, axle.angle, 20.0, 1e4, 50.0), backlash=0.004, efficiency=0.8
     )
     release = jo.Table([0.0, 0.09, 0.1], [1.0, 1.0, 0.0])

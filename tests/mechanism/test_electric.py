@@ -9,7 +9,7 @@ import pytest
 import jousto as jo
 from jousto.base.declare import kinds
 from jousto.base.errors import InputError
-from jousto.electric import Brake, DCMotor, Gear, SynchronousMotor, ThermalLoad
+from jousto.electric import Brake, DCMotor, Gearbox, SynchronousMotor, ThermalLoad
 
 ROTOR, LOAD = (jo.RigidBody(name, 1.0, (1, 1, 1)) for name in ("rotor", "load"))
 AXLE, DRUM = (
@@ -22,8 +22,8 @@ def motor(**options: Any) -> SynchronousMotor:
     return SynchronousMotor("m", AXLE.angle, 0.5, 2e-3, 3e-3, 0.08, 4, **options)
 
 
-def gear(**options: Any) -> Gear:
-    return Gear("g", AXLE.angle, DRUM.angle, 20.0, 1e5, **options)
+def gear(**options: Any) -> Gearbox:
+    return Gearbox("g", AXLE.angle, DRUM.angle, 20.0, 1e5, **options)
 
 
 REFUSED: dict[str, tuple[Any, str]] = {
@@ -62,11 +62,11 @@ REFUSED: dict[str, tuple[Any, str]] = {
         r"strategy",
     ),
     "gear of a length": (
-        lambda: Gear("g", RAIL.displacement, DRUM.angle, 1.0, 1e5),
+        lambda: Gearbox("g", RAIL.displacement, DRUM.angle, 1.0, 1e5),
         r"motor is rail.displacement, a length; must be an angle",
     ),
     "gear of one angle": (
-        lambda: Gear("g", AXLE.angle, AXLE.angle, 1.0, 1e5),
+        lambda: Gearbox("g", AXLE.angle, AXLE.angle, 1.0, 1e5),
         r"couples rotor axle.angle with itself",
     ),
     "efficiency above 1": (lambda: gear(efficiency=1.1), r"efficiency is 1.1"),

@@ -300,7 +300,7 @@ states:
      strategy: least-current, weakening: true}
   - {type: thermal-load, name: heat, current: motor.amplitude, rated: 8 A, time: 1 min,
      largest: 20 A, trips: true}
-  - {type: gear, name: gear, motor: shaft.angle, coordinate: axle.angle, ratio: 20,
+  - {type: gearbox, name: gear, motor: shaft.angle, coordinate: axle.angle, ratio: 20,
      stiffness: 1e5 N m/rad, damping: 100 N m s/rad, backlash: 0.1 deg, efficiency: 90 %}
   - {type: brake, name: brake, coordinate: shaft.angle, torque: 12 N m, stiffness: 1e4 N m/rad,
      release: {type: ramp, start: 0, end: 10 ms}, lag: 30 ms}
@@ -331,7 +331,7 @@ def test_electric_drives_equal_the_python_constructors() -> None:
         weakening=True,
     )
     heat = e.ThermalLoad("heat", motor["amplitude"], 8.0, 60.0, largest=20.0, trips=True)
-    gear = e.Gear(
+    gear = e.Gearbox(
         *("gear", q, axle.angle, 20.0, 1e5, 100.0), backlash=np.deg2rad(0.1), efficiency=0.9
     )
     brake = e.Brake("brake", q, 12.0, 1e4, release=jo.Ramp(0.0, 0.01), lag=0.03)

@@ -11,7 +11,7 @@ from scipy.linalg import expm
 
 import jousto as jo
 from jousto.base.errors import InputError
-from jousto.electric import Brake, DCMotor, Gear, SynchronousMotor, ThermalLoad
+from jousto.electric import Brake, DCMotor, Gearbox, SynchronousMotor, ThermalLoad
 from jousto.mechanism import (
     BlockForce,
     PIDController,
@@ -248,7 +248,7 @@ def winch(torque: float, core: str = "joint", **options: Any) -> Any:
     rotor, motor = hinge("rotor", 1e-3)
     drum, axle = hinge("drum", 100 * 0.1**2)
     losses = {"efficiency": 0.8, "back_efficiency": 0.7, "book": True} | options
-    gear = Gear("gear", motor.angle, axle.angle, 20.0, 2e6, 2e3, **losses)
+    gear = Gearbox("gear", motor.angle, axle.angle, 20.0, 2e6, 2e3, **losses)
     drive = jo.JointForce("drive", motor.angle, torque)
     load = jo.JointForce("load", axle.angle, -98.1)
     sensors = jo.RateSensor("w", axle.angle), StateSensor("heat rate", gear["heat_power"])
@@ -303,7 +303,7 @@ def hunting(core: str = "joint") -> Any:
     """J .01 and .05 (.02 N m s), backlash .02; u = -6 q2 + 30 z - .5 q1', z' = -q2."""
     rotor, motor = hinge("rotor", 0.01)
     load, axle = hinge("load", 0.05)
-    gear = Gear("gear", motor.angle, axle.angle, 1.0, 500.0, 5.0, backlash=0.02)
+    gear = Gearbox("gear", motor.angle, axle.angle, 1.0, 500.0, 5.0, backlash=0.02)
     control = States(
         "control",
         {"z": 0.0},

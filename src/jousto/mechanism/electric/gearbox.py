@@ -31,8 +31,8 @@ from jousto.mechanism.states.expression import (
 from jousto.mechanism.states.hysteresis import TOUCH
 
 
-class Gear(Booked, tag="gear"):
-    """Gear between the angle phi of a rotor and a coordinate q: elastic, with backlash and losses.
+class Gearbox(Booked, tag="gearbox"):
+    """Gearbox between the angle phi of a rotor and a coordinate q, with backlash and losses.
 
     The wind-up is ``e = phi/ratio - q``, 0 in the declared pose. Teeth touch beyond half of the
     backlash j and carry ``T = stiffness (e -+ j/2) + damping e'`` to q; they part where T becomes
@@ -47,17 +47,17 @@ class Gear(Booked, tag="gear"):
     Examples
     --------
     >>> from jousto import Revolute, RigidBody, ground
-    >>> from jousto.electric import Gear
+    >>> from jousto.electric import Gearbox
     >>> rotor = RigidBody("rotor", 0.1, (1e-4, 1e-4, 1e-4))
     >>> drum = RigidBody("drum", 10.0, (0.1, 0.1, 0.2))
     >>> motor = Revolute("motor", ground["origin"], rotor["origin"])
     >>> axle = Revolute("axle", ground["origin"], drum["origin"])
-    >>> gear = Gear("gear", motor.angle, axle.angle, 20.0, 1e5, 50.0, backlash=1e-3)
+    >>> gear = Gearbox("gear", motor.angle, axle.angle, 20.0, 1e5, 50.0, backlash=1e-3)
     >>> print(gear["torque"])
     gear.torque
     """
 
-    kind = "gear"
+    kind = "gearbox"
     jumps = True
     motor: CoordinateField = field("Angle phi of the rotor")
     coordinate: CoordinateField = field("Coordinate q that the gear drives, an angle or a length")
