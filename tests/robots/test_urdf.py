@@ -409,10 +409,15 @@ CONTROL = """<ros2_control name="c" type="system"><hardware><plugin>x/Y</plugin>
   </transmission></ros2_control>"""
 
 
+WHOLE = """<transmission name="t" type="pr2_mechanism_model/SimpleTransmission">
+  <joint name="{joint}"/><actuator name="m"/><mechanicalReduction>{n}</mechanicalReduction>
+  </transmission>"""
+
+
 STIFF = {"stiffness": 1e4, "damping": 20.0}
 
 
-@pytest.mark.parametrize("form", [SIMPLE, CONTROL])
+@pytest.mark.parametrize("form", [SIMPLE, CONTROL, WHOLE])
 @pytest.mark.filterwarnings("error::jousto.JoustoWarning")
 def test_a_transmission_is_a_motor_with_its_gear(form: str, write: Write) -> None:
     """I = 1 kg m2 about the axis: u = 0.02 N m at the motor of a reduction -50 gives -1 rad/s2."""

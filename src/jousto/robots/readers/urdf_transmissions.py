@@ -64,7 +64,7 @@ def _read(reading: Reading, element: Element, known: dict[str, RobotJoint]) -> A
         what = joint.kind if joint.mimic is None else "following"
         reading.effect(element, f"a transmission of a {what} joint", NO_FORCE)
         return None
-    n = _reduction(reading, [*joints, *motors])
+    n = _reduction(reading, [element, *joints, *motors])
     name = motors[0].given.get("name") or f"{target} actuator"
     limit = joint.effort / abs(n) if n else joint.effort
     where = reading.where(element)
@@ -78,11 +78,11 @@ def _kind(element: Element) -> str:
 
 
 def _reduction(reading: Reading, ends: Sequence[Element]) -> float:
-    """Return the product of the reductions at the joint and at the motor."""
+    """Return the product of the reductions of the transmission, at the joint and at the motor."""
     n = 1.0
     for end in ends:
         for one in end.all(*REDUCTIONS):
-            value = float(reading.numbers(one, one.text, one.tag, 1, np.ones(1))[0])
+            value = float(reading.numbers(one, one.given.get("value", one.text), one.tag, 1, np.ones(1))[0])
             if value == 0.0:
                 reading.add(one, f"{one.tag} is 0, must not be zero")
             n *= value

@@ -8,7 +8,7 @@ WEIGHT = (
     "the weight acts on this link, and no spring on this joint, even with other settings for Gazebo"
 )
 _pose = Tag(done="xyz rpy quat_xyzw")
-_transmission = Tag(done="type plugin", quiet="name leftActuator rightActuator")
+_transmission = Tag(done="type plugin", quiet="name")
 _end = Tag(
     done="name mechanicalReduction mechanical_reduction",
     quiet="role offset hardwareInterface motorTorqueConstant",
@@ -30,6 +30,15 @@ TAGS = {
     "ros2_control/transmission": _transmission,
     "transmission/joint": _end,
     "transmission/actuator": _end,
+    "transmission/mechanicalReduction": Tag(done="value"),
+    # of transmissions of other types, which are named in a warning
+    "transmission/leftActuator": QUIET_TAG,
+    "transmission/rightActuator": QUIET_TAG,
+    "transmission/flexJoint": QUIET_TAG,
+    "transmission/rollJoint": QUIET_TAG,
+    "transmission/gap_joint": QUIET_TAG,
+    "transmission/passive_joint": QUIET_TAG,
+    "transmission/use_simulated_gripper_joint": QUIET_TAG,
     "robot/gazebo": Tag(
         quiet="reference",
         words={
