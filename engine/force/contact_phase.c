@@ -2,7 +2,6 @@
 #include "force/contact_point.h"
 #include "contact/contact.h"
 
-enum { JO_CURVE_HALVINGS = 20 };    /* of the largest depth of a touch */
 #define JO_CONTACT_PARTS 20.0   /* steps in which a short contact is resolved */
 #define JO_CONTACT_LASTS 4.0    /* age of a contact over its duration without loss, from which on it is not short: also with large mass and loss */
 #define JO_NO_SLIP 1e-8     /* slip over the slowest approach of the law below which it is the round-off of an impulse or of a stop: none */
@@ -171,30 +170,7 @@ jo_real jo_contact_margin(const jo_contact_law *x, const jo_real *state, const j
     return left;
 }
 
-/* duration of a touch on a curve: that of a spring with the same largest depth and force, within 5 % for powers up to 1.5 */
-static double curve_lasts(const jo_contact_law *x, double speed)
-{
-    jo_contact_point y;
-    double low = 0.0, high = JO_RE(x->duration) * speed;
-    for (int i = 0; i < 2 * JO_CURVE_HALVINGS; i++, low = high, high *= 2.0)
-        if (JO_RE(jo_contact_speed_of_depth(x, jo_same(high))) >= speed) break;
-    for (int i = 0; i < JO_CURVE_HALVINGS; i++) {
-        const double middle = 0.5 * (low + high);
-        if (JO_RE(jo_contact_speed_of_depth(x, jo_same(middle))) < speed) low = middle;
-        else high = middle;
-    }
-    y.depth = jo_same(high);
-    jo_contact_curve(x, &y);
-    return JO_PI * sqrt(JO_RE(x->mass) * high / JO_RE(y.elastic));
-}
-
-double jo_contact_lasts(const jo_contact_law *x, double speed)
-{
-    const double n = JO_RE(x->exponent);
-    if (JO_RE(x->curve) != JO_CURVE_POWER) return curve_lasts(x, speed);
-    return n == 1.0 ? JO_RE(x->duration) : JO_RE(x->duration) * pow(speed, (1.0 - n) / (1.0 + n));
-}
-
+/* duration of the touch without loss, s */
 static double lasts(const jo_contact_law *x, const jo_real *state) { return jo_contact_lasts(x, JO_RE(state[JO_CONTACT_SPEED])); }
 
 void jo_contact_begun(const jo_data *d, const jo_contact_law *x, int first, const jo_real *state)

@@ -44,7 +44,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     if (jo_condenses(stage)) condense(m, d, stage, f, w);
     const int first = stage->contacts && !stage->earlier;
     jo_network_evaluate(m, d, w, own_states(m, d, f), stage->lead, first);
-    if (stage->contacts && w->nopening) jo_network_note_openings(d, w);
+    if (stage->contacts && w->nopening) jo_network_note_openings(d, stage, w);
     if (w->outside) {
         d->error_index = w->force;
         return JO_BEYOND_TABLE;

@@ -79,36 +79,6 @@ static int solve_multipliers(const jo_model *m, jo_data *d, const jo_stage *stag
     return status;
 }
 
-/* a = M^-1 (Q - Cq^T x) with the multipliers x of the joints; fall: the acceleration of free fall, or 0 for changes of a */
-static JO_INLINE void apply_multipliers(const jo_model *m, jo_data *d, int set, const jo_real *fall, jo_real *a)
-{
-    jo_joint_apply(m, d, set);
-    for (int i = 0; i < m->nbody; i++) {
-        const jo_body *b = &m->body[i];
-        const jo_body_work *w = &d->body[i];
-        jo_real *x = a + b->iv;
-        if (jo_body_inactive(d, i)) continue;
-        jo_mul3(x, w->A, w->y);
-        if (fall) jo_add3(x, fall);
-        jo_set3(x + 3, w->y + 3);
-        for (int j = 0; j < b->n; j++) x[6 + j] = w->yp[j];
-    }
-}
-
-/* changes of the accelerations a, and of the multipliers x of the joints, by the changes of force of jo_push_change */
-void jo_respond(const jo_model *m, jo_data *d, int set, jo_real *a)
-{
-    jo_joint_force_change(m, d, set);
-    jo_joint_solve(m, d);
-    for (int i = 0; i < m->nbody; i++) {
-        jo_body_work *w = &d->body[i];
-        const int changed = jo_force_changed(w);
-        for (int j = 0; j < 6; j++) w->maximal.z[j] = changed ? w->y[j] : jo_same(0.0);
-        for (int j = 0; j < m->body[i].np; j++) w->fp[j] = changed ? w->yp[j] : jo_same(0.0);
-    }
-    apply_multipliers(m, d, set, 0, a);
-}
-
 /* a and lam in maximal coordinates: forces, factors, multipliers, then a = M^-1 (Q - Cq^T lam) */
 static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
@@ -121,7 +91,7 @@ static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     if (status != JO_OK) return status;
     const int couples = jo_couples(m, stage);
     if (!couples) {
-        apply_multipliers(m, d, stage->set, m->gravity, d->a);
+        jo_apply_multipliers(m, d, stage->set, m->gravity, d->a);
         if (stage->separate) jo_networks_respond(m, d, stage);
     }
     d->drive = m->nline ? jo_joint_power(m, d) : jo_same(0.0);
@@ -225,7 +195,7 @@ static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_
         for (int j = 0; j < m->body[i].np; j++) w->fp[j] = jo_same(0.0);
     }
     jo_joint_solve(m, d);
-    apply_multipliers(m, d, stage->set, 0, increment);
+    jo_apply_multipliers(m, d, stage->set, 0, increment);
 }
 
 /* d->rate = -M^-1 Cq^T S^-1 c, or with cdot if `velocity` */

@@ -120,7 +120,6 @@ void jo_clear_changes(const jo_model *m, jo_data *d);
 void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f);   /* change of force, into y and yp of the bodies */
 void jo_push_body_change(const jo_model *m, jo_data *d, int body, const jo_real *Q);   /* the same by Q along the velocities of a body */
 void jo_body_change(const jo_model *m, const jo_data *d, int body, jo_real *Q);       /* Q = the change along the velocities of a body */
-void jo_respond(const jo_model *m, jo_data *d, int set, jo_real *a);   /* changes of accelerations a and of joint[].x by these changes */
 void jo_push_late(const jo_model *m, jo_data *d, int coordinate, jo_real f);     /* jo_push_along after jo_body_free, before jo_free_changed */
 void jo_free_changed(const jo_model *m, jo_data *d, int set);
 void jo_push_modes(const jo_model *m, jo_data *d, const jo_stage *stage);   /* implicit part of modal forces, until jo_clear_modes */
@@ -156,6 +155,10 @@ void jo_apply_reactions(const jo_model *m, jo_data *d);   /* adds -Cq^T lam to t
 
 /* energy.c */
 void jo_add_step_work(jo_data *d);
+
+/* responses.c */
+void jo_apply_multipliers(const jo_model *m, jo_data *d, int set, const jo_real *fall, jo_real *a);
+void jo_respond(const jo_model *m, jo_data *d, int set, jo_real *a);   /* changes of a and of joint[].x by those of jo_push_change */
 
 /* forward_dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);

@@ -55,8 +55,7 @@ int jo_network_table(int operation, const jo_real *t, jo_real x, jo_real y, jo_r
 /* network_program.c */
 /* registers at the present coordinates and states, with signals at time + lead; derivatives also: those of the table S */
 void jo_network_evaluate(const jo_model *m, const jo_data *d, jo_network *w, const jo_real *x, double lead, int derivatives);
-void jo_network_note_openings(const jo_data *d, jo_network *w);   /* after the evaluation of a stage */
-int jo_network_depends_on_time(jo_network *w);
+void jo_network_note_openings(const jo_data *d, const jo_stage *stage, jo_network *w);   /* after the evaluation of a stage */
 void jo_network_factor(jo_real *A, int n, int *pivot);   /* LU by rows, with row exchanges */
 void jo_network_solve(const jo_real *A, int n, const int *pivot, jo_real *x);
 void jo_network_response(jo_network *w, double ca, double cv);   /* factors of ca - cv f_x; K and D with this response */
@@ -73,8 +72,6 @@ int jo_network_body(const jo_model *m, const jo_network *w, int side);   /* body
 void jo_network_rates_along(const jo_network *w, const jo_real *z, jo_real *y);   /* y (m) = J z */
 
 /* network_response.c */
-void jo_network_responses_layout(const jo_model *m, jo_networks *all, int most, jo_arena *a);   /* most: bound of the rows */
-void jo_network_responses_setup(const jo_model *m, jo_networks *all);
 int jo_networks_separate(const jo_model *m, const jo_data *d);   /* whether jo_networks_respond accounts for them, not Newton's matrix */
 void jo_networks_respond(const jo_model *m, jo_data *d, const jo_stage *stage);   /* accelerations and multipliers with J^T G J */
 

@@ -3,6 +3,8 @@
 #include "tree/tree.h"
 #include "network/network.h"
 
+enum { JO_MOST_RESPONSES = 8 };   /* forces along more coordinates: Newton's matrix, factorised once, needs less work than their responses */
+
 int jo_is_network(const jo_force *f) { return f->type == JO_FORCE_network; }
 
 static const jo_network_data *header(const jo_force *f) { return (const jo_network_data *)f->data; }
@@ -94,6 +96,22 @@ static const jo_real *read_ints(const jo_real *x, int *y, int n)
     return x + n;
 }
 
+/* Marks results that depend on time or signals, and returns whether a force does. Registers of inputs and results are overwritten. */
+static int depends_on_time(jo_network *w)
+{
+    const int inputs = w->fixed, time = inputs + w->n + 2 * w->m, memories = time + 1 + 2 * w->nsignal, first = w->registers - w->instructions;
+    int depends = 0;
+    for (int i = inputs; i < first; i++) w->r[i] = jo_same(i >= time && i < memories ? 1.0 : 0.0);
+    for (int i = 0; i < w->values; i++) {
+        const int *k = w->code + 4 * i;
+        int any = 0;
+        for (int j = 1; j < 4; j++) any |= k[j] >= inputs && JO_RE(w->r[k[j]]) > 0.0;
+        w->r[first + i] = jo_same(any ? 1.0 : 0.0);
+    }
+    for (int i = 0; i < w->npush; i++) depends |= w->push[2 * i + 1] >= inputs && JO_RE(w->r[w->push[2 * i + 1]]) > 0.0;
+    return depends;
+}
+
 static void read(const jo_force *f, jo_network *w)
 {
     const jo_real *x = read_ints(rest(f) + 2 * w->n, w->coordinate, w->m);
@@ -105,8 +123,21 @@ static void read(const jo_force *f, jo_network *w)
     x = read_ints(x, w->slope, 3 * w->nslope);
     read_ints(x, w->opening, w->nopening);
     w->last = -INFINITY;
-    w->timed = jo_network_depends_on_time(w);
+    w->timed = depends_on_time(w);
     w->computed = 0;
+}
+
+/* room for the responses of network_response.c; most: bound of their number */
+static void responses_layout(const jo_model *m, jo_networks *all, int most, jo_arena *a)
+{
+    const int rows = most > JO_MOST_RESPONSES || m->nbeam || m->nfriction ? 0 : most;
+    all->most = most;
+    all->row = jo_take_ints(a, 2 * rows);
+    all->pivot = jo_take_ints(a, rows);
+    all->a = jo_take_reals(a, rows * m->nv);
+    all->lam = jo_take_reals(a, (rows + 1) * m->nrow);
+    all->A = jo_take_reals(a, rows * rows);
+    all->x = jo_take_reals(a, rows);
 }
 
 void jo_networks_layout(const jo_model *m, jo_data *d, jo_arena *a)
@@ -124,7 +155,7 @@ void jo_networks_layout(const jo_model *m, jo_data *d, jo_arena *a)
         take(m, &m->force[i], w, a);
         most += w->npush < w->m ? w->npush : w->m;
     }
-    jo_network_responses_layout(m, all, most, a);
+    responses_layout(m, all, most, a);
 }
 
 /* places of the memories of the networks */
@@ -137,6 +168,26 @@ static void find_memories(const jo_model *m, jo_data *d)
         const jo_memory_data *x = (const jo_memory_data *)f->data;
         for (int k = 0; k < jo_whole(x->count); k++) w->memory[jo_whole(x->first) + k] = f->state + 1 + k;
     }
+}
+
+static int pushes(const jo_network *w, int k)
+{
+    for (int i = 0; i < w->npush; i++)
+        if (w->push[2 * i] == k) return 1;
+    return 0;
+}
+
+/* coordinates along which networks push */
+static void responses_setup(const jo_model *m, jo_networks *all)
+{
+    all->rows = 0;
+    all->separate = all->most <= JO_MOST_RESPONSES && !m->nbeam && !m->nfriction;
+    for (int i = 0; i < all->count && all->separate; i++)
+        for (int k = 0; k < all->list[i].m; k++) {
+            if (!pushes(&all->list[i], k)) continue;
+            all->row[2 * all->rows] = i;
+            all->row[2 * all->rows++ + 1] = k;
+        }
 }
 
 /* constants and codes of all networks, from the numbers of the model */
@@ -152,5 +203,5 @@ void jo_networks_setup(const jo_model *m, jo_data *d)
             w->link[2 * k + 1] = jo_marker_link(m, d, c->b);
         }
     }
-    jo_network_responses_setup(m, &d->networks);
+    responses_setup(m, &d->networks);
 }

@@ -5,6 +5,8 @@
 #include "force/force.h"
 #include "network/network.h"
 
+#define JO_FOLLOWS 5.0     /* time between two stages over g h, above which they are not of one step or of the next: h is 2.3 to 3.4 g h */
+
 static jo_real power(jo_real x, jo_real n)
 {
 #ifdef JO_COMPLEX
@@ -63,22 +65,6 @@ static void run(jo_network *w, int from, int to)
     }
 }
 
-/* Marks results that depend on time or signals, and returns whether a force does. Registers of inputs and results are overwritten. */
-int jo_network_depends_on_time(jo_network *w)
-{
-    const int inputs = w->fixed, time = inputs + w->n + 2 * w->m, memories = time + 1 + 2 * w->nsignal, first = w->registers - w->instructions;
-    int depends = 0;
-    for (int i = inputs; i < first; i++) w->r[i] = jo_same(i >= time && i < memories ? 1.0 : 0.0);
-    for (int i = 0; i < w->values; i++) {
-        const int *k = w->code + 4 * i;
-        int any = 0;
-        for (int j = 1; j < 4; j++) any |= k[j] >= inputs && JO_RE(w->r[k[j]]) > 0.0;
-        w->r[first + i] = jo_same(any ? 1.0 : 0.0);
-    }
-    for (int i = 0; i < w->npush; i++) depends |= w->push[2 * i + 1] >= inputs && JO_RE(w->r[w->push[2 * i + 1]]) > 0.0;
-    return depends;
-}
-
 /* x into a register; whether it was there */
 static inline int set(jo_real *r, jo_real x)
 {
@@ -118,10 +104,10 @@ void jo_network_evaluate(const jo_model *m, const jo_data *d, jo_network *w, con
     }
 }
 
-void jo_network_note_openings(const jo_data *d, jo_network *w)
+void jo_network_note_openings(const jo_data *d, const jo_stage *stage, jo_network *w)
 {
     const double now = JO_RE(d->time[0]);
-    const int follows = fabs(now - w->last) < 1.5 * d->control.length;   /* not after a change of the state by the caller */
+    const int follows = fabs(now - w->last) < JO_FOLLOWS * stage->gh;   /* not after a change of the state by the caller */
     w->last = now;
     for (int i = 0; i < w->nopening; i++) {
         const jo_real x = w->r[w->opening[i]];

@@ -8,39 +8,6 @@
 #include "network/network.h"
 #include "valid.h"
 
-enum { JO_MOST_RESPONSES = 8 };   /* forces along more coordinates: Newton's matrix, factorised once, needs less work than their responses */
-
-static int pushes(const jo_network *w, int k)
-{
-    for (int i = 0; i < w->npush; i++)
-        if (w->push[2 * i] == k) return 1;
-    return 0;
-}
-
-void jo_network_responses_layout(const jo_model *m, jo_networks *all, int most, jo_arena *a)
-{
-    const int rows = most > JO_MOST_RESPONSES || m->nbeam || m->nfriction ? 0 : most;
-    all->most = most;
-    all->row = jo_take_ints(a, 2 * rows);
-    all->pivot = jo_take_ints(a, rows);
-    all->a = jo_take_reals(a, rows * m->nv);
-    all->lam = jo_take_reals(a, (rows + 1) * m->nrow);
-    all->A = jo_take_reals(a, rows * rows);
-    all->x = jo_take_reals(a, rows);
-}
-
-void jo_network_responses_setup(const jo_model *m, jo_networks *all)
-{
-    all->rows = 0;
-    all->separate = all->most <= JO_MOST_RESPONSES && !m->nbeam && !m->nfriction;
-    for (int i = 0; i < all->count && all->separate; i++)
-        for (int k = 0; k < all->list[i].m; k++) {
-            if (!pushes(&all->list[i], k)) continue;
-            all->row[2 * all->rows] = i;
-            all->row[2 * all->rows++ + 1] = k;
-        }
-}
-
 int jo_networks_separate(const jo_model *m, const jo_data *d)
 {
     (void)m;

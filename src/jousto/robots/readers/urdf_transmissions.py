@@ -82,7 +82,8 @@ def _reduction(reading: Reading, ends: Sequence[Element]) -> float:
     n = 1.0
     for end in ends:
         for one in end.all(*REDUCTIONS):
-            value = float(reading.numbers(one, one.given.get("value", one.text), one.tag, 1, np.ones(1))[0])
+            text = one.given.get("value", one.text)
+            value = float(reading.numbers(one, text, one.tag, 1, np.ones(1))[0])
             if value == 0.0:
                 reading.add(one, f"{one.tag} is 0, must not be zero")
             n *= value
