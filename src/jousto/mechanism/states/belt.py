@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -188,7 +188,37 @@ def bearing(
     return aligned(held, sheave.A), sense * float(np.sign(cosine))
 
 
-class Capstan(Block, tag="capstan"):
+class Gripped(Block):
+    """Base of ropes and belts that friction holds on a rim over the angle `wrap`."""
+
+    if TYPE_CHECKING:
+        mu: Any
+        wrap: Any
+
+    def check_ratio(self, problems: Problems, where: str, remedy: str) -> None:
+        """Report a ratio of the tensions beyond all ropes."""
+        exponent = np.real(self.mu * self.wrap)
+        if exponent > LARGEST_EXPONENT:
+            text = f"mu times the angle is {exponent:.0f}, must be at most"
+            problems.add(where, f"{text} {LARGEST_EXPONENT:g}{remedy}", "mu")
+
+    @property
+    def largest_ratio(self) -> float:
+        """Largest ratio of the tensions on both sides of the rim."""
+        return float(np.exp(np.real(self.mu * self.wrap)))
+
+    @property
+    def starts(self) -> Mapping[str, float]:
+        """What the rims have carried, m, and heat, J."""
+        return {"passed": 0.0, "heat": 0.0}
+
+    @property
+    def memories(self) -> Mapping[str, float]:
+        """What has slipped until the last end of a step, m."""
+        return {"slip": 0.0}
+
+
+class Capstan(Gripped, tag="capstan"):
     """Rope that sticks to one sheave by friction: a bollard, a capstan, a traction sheave.
 
     The rope runs along `path` as that of a `Reeving`; only at `sheave`, a place in the path from
@@ -291,17 +321,10 @@ class Capstan(Block, tag="capstan"):
         for name in ("parts", "ways", "axles"):
             object.__setattr__(self, name, getattr(rope, name))
         object.__setattr__(self, "wrap", rope.wraps[k] + 2.0 * np.pi * self.turns)
-        if np.real(self.mu * self.wrap) > LARGEST_EXPONENT:
-            text = f"mu times the angle is {np.real(self.mu * self.wrap):.0f}, must be at most"
-            problems.add(where, f"{text} {LARGEST_EXPONENT:g}: fix the rope to the sheave", "mu")
+        self.check_ratio(problems, where, ": fix the rope to the sheave")
         given: Any = self.length
         if given is None:
             object.__setattr__(self, "length", sum(self._initial))
-
-    @property
-    def largest_ratio(self) -> float:
-        """Largest ratio of the tensions on both sides of the sheave."""
-        return float(np.exp(np.real(self.mu * self.wrap)))
 
     @property
     def _initial(self) -> tuple[Any, Any]:
@@ -309,16 +332,6 @@ class Capstan(Block, tag="capstan"):
         sides = self.parts[: self.sheave], self.parts[self.sheave :]
         first, second = (sum(part.initial for part in side) for side in sides)
         return first, second
-
-    @property
-    def starts(self) -> Mapping[str, float]:
-        """Rope that the sheave has carried, and heat."""
-        return {"passed": 0.0, "heat": 0.0}
-
-    @property
-    def memories(self) -> Mapping[str, float]:
-        """Rope that has slipped until the last end of a step."""
-        return {"slip": 0.0}
 
     def equations(self, x: Mapping[str, e.Expression]) -> Equations:
         """Return tensions, forces along all spans, heat, and the rope that slips."""
@@ -344,7 +357,7 @@ class Capstan(Block, tag="capstan"):
         return tuple(self.path)
 
 
-class BeltDrive(Block, tag="belt-drive"):
+class BeltDrive(Gripped, tag="belt-drive"):
     """Belt around two pulleys, open or crossed, with creep and slip.
 
     Both straight parts have ``T = EA (l / l0 - 1) + c (l' - l0' l / l0)``, never negative. Each
@@ -447,24 +460,7 @@ class BeltDrive(Block, tag="belt-drive"):
         parts = RopePart(ab, straight + 0.5 * arcs), RopePart(ba, behind + 0.5 * arcs)
         object.__setattr__(self, "parts", parts)
         object.__setattr__(self, "wrap", min(wraps, key=np.real))
-        if np.real(self.mu * self.wrap) > LARGEST_EXPONENT:
-            text = f"mu times the angle is {np.real(self.mu * self.wrap):.0f}, must be at most"
-            problems.add(where, f"{text} {LARGEST_EXPONENT:g}; couple both angles instead", "mu")
-
-    @property
-    def largest_ratio(self) -> float:
-        """Largest ratio of the tensions of both parts."""
-        return float(np.exp(np.real(self.mu * self.wrap)))
-
-    @property
-    def starts(self) -> Mapping[str, float]:
-        """Belt that the pulleys have carried, and heat."""
-        return {"passed": 0.0, "heat": 0.0}
-
-    @property
-    def memories(self) -> Mapping[str, float]:
-        """Belt that has slipped until the last end of a step."""
-        return {"slip": 0.0}
+        self.check_ratio(problems, where, "; couple both angles instead")
 
     def equations(self, x: Mapping[str, e.Expression]) -> Equations:
         """Return tensions, forces along both spans, heat, and the belt that slips."""
