@@ -26,6 +26,8 @@ from jousto.mechanism.contacts.shapes import (
     touching,
 )
 
+SHAPE_ROW, TIP_ROW, LAW_ROW = 16, 10, 17
+"""Numbers of a row of shapes, of tips and of laws (``contact_rows.h`` of the engine)."""
 KINDS = 11
 """Number of types of shapes in ``jo_shape_type`` of the engine."""
 HULL, SURFACE = 9, 10
@@ -188,7 +190,7 @@ def shape_rows(
     groups: Sequence[int],
 ) -> tuple[Array, Array]:
     """Return rows of the shapes (ns, 16) and of their tips (nt, 10) as in the engine."""
-    rows = np.zeros((len(shapes), 16))
+    rows = np.zeros((len(shapes), SHAPE_ROW))
     tips: list[tuple[float, ...]] = []
     for i, one in enumerate(shapes):
         shape = one.shape
@@ -206,7 +208,7 @@ def shape_rows(
             (i, *tip.centre, tip.radius, tip.ring, tip.place, *(tip.axes or (0.0, 0.0, 0.0)))
             for tip in shape.tips
         ]
-    return rows, np.array(tips, dtype=float).reshape(-1, 10)
+    return rows, np.array(tips, dtype=float).reshape(-1, TIP_ROW)
 
 
 def group_table(groups: Mapping[str, int], apart: Sequence[Apart]) -> Array:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Array
+from jousto.mechanism.contacts.pair_tables import LAW_ROW, SHAPE_ROW, TIP_ROW
 from jousto.model.model import Model
 from jousto.model.native.header import named, places
 from jousto.simulation.contacts import contacts
@@ -19,8 +20,6 @@ MANY = 1000.0
 """Steps of a closed contact in a step of the run, above which it is reported."""
 STABLE = 0.5
 """Step of an explicit method times the rate of a closed contact (``JO_CONTACT_STABLE``)."""
-SHAPE_ROW, TIP_ROW, LAW_ROW = 16, 10, 17
-"""Numbers of a row of shapes, tips and laws of a set of contacts (``contact_rows.h``)."""
 
 
 def closed_contact_warning(model: Model, solver: Solver, step: float) -> str:
