@@ -186,14 +186,13 @@ void jo_contact_tip_velocity(const jo_contact_tip *tip, const jo_contact_point *
  * the gap changes by that times w^2 h beside what the acceleration changes. Returned is the curvature 1/m for which v^2 h gives twice that. */
 static double curvature_of_support(const jo_contact_data *x, const jo_approach *to, const jo_contact_point *y)
 {
-    double longest = 0.0, least = INFINITY, v = 0.0, w = 0.0;
+    double longest = 0.0, least = INFINITY;
     for (int i = 0; i < 3; i++) {
         longest = fmax(longest, JO_RE(x->axes[i]));
         least = fmin(least, JO_RE(x->axes[i]));
-        v += to->v[i] * to->v[i];
-        w += JO_RE(y->w[i]) * JO_RE(y->w[i]);
     }
-    return v > 0.0 ? 2.0 * longest * longest / least * w / v : INFINITY;
+    const double speed = jo_approach_speed(to), spin = jo_length(y->w, 3);
+    return speed > 0.0 ? 2.0 * longest * longest / least * spin * spin / (speed * speed) : INFINITY;
 }
 
 /* the centre of the sphere in frame a; of a ring its lowest point, which moves on the ring no faster than the ring turns */

@@ -18,6 +18,7 @@ static inline const jo_slopes_of_state *jo_force_slopes(const jo_data *d, int st
  * seen: first state of the force, for jo_see_speed. clear: gap of everything beside this face, m. What a kind does not set is the rate, 0 or
  * INFINITY. */
 typedef struct jo_approach { double within, gap, rate, highest, v[3], spin[3], curvature, clear; int face, convex, seen; } jo_approach;
+static inline double jo_approach_speed(const jo_approach *y) { return sqrt(y->v[0] * y->v[0] + y->v[1] * y->v[1] + y->v[2] * y->v[2]); }
 
 enum { JO_MAX_TOUCHES = 8 };    /* points of a force */
 enum { JO_TOUCH_SUMS = 3 };     /* sums over points: energies of normal forces and of bristles, J; normal forces, N */

@@ -381,7 +381,7 @@ static int ease(const jo_model *m, const jo_data *d, const jo_force *f, jo_real 
  * a rounded vertex or edge the normal turns by speed / radius. */
 static double bending(const pair *p, const jo_feature *g, const jo_approach *to)
 {
-    const double speed = sqrt(to->v[0] * to->v[0] + to->v[1] * to->v[1] + to->v[2] * to->v[2]), spin = jo_length(p->w, 3), turning = spin > 0.0 ? 3.0 * spin / speed : 0.0, radius = jo_pair_radii(p);
+    const double spin = jo_length(p->w, 3), turning = spin > 0.0 ? 3.0 * spin / jo_approach_speed(to) : 0.0, radius = jo_pair_radii(p);
     if (g->kind == JO_FACE_VERTEX || g->kind == JO_VERTEX_FACE) return turning;
     if (g->kind != JO_EDGE_EDGE) return radius > 0.0 ? turning + 1.0 / radius : INFINITY;
     const double sine = fabs(JO_RE(jo_dot3(g->edge, g->across))) - spin * to->within;

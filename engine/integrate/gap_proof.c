@@ -39,7 +39,6 @@ static double beyond_ends(const jo_data *d, const jo_approach *a, const jo_appro
 }
 
 static double length3(const double *x) { return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]); }
-static double speed_of(const jo_approach *x) { return length3(x->v); }
 static double distance3(const double *a, const double *b)
 {
     const double x[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
@@ -67,7 +66,7 @@ static int may_touch_convex(const jo_approach *a, const jo_approach *b, double v
 static int may_have_closed(const jo_approach *a, const jo_approach *b, double beyond, double h)
 {
     const double changed = distance3(a->v, b->v) + distance3(a->spin, b->spin);
-    const double varied = JO_PARABOLA * (0.5 * changed + beyond), speed = fmax(speed_of(a), speed_of(b)) + varied;
+    const double varied = JO_PARABOLA * (0.5 * changed + beyond), speed = fmax(jo_approach_speed(a), jo_approach_speed(b)) + varied;
     if (a->convex && b->convex) return may_touch_convex(a, b, varied, h);
     const int alone = a->face == b->face && a->clear + b->clear > h * speed;
     const double curved = alone ? fmax(a->curvature, b->curvature) : INFINITY, bent = curved > 0.0 ? speed * speed * curved * h : 0.0;
