@@ -34,6 +34,7 @@ PROGRAMS: dict[str, tuple[str, ...]] = {
     "implicit": ("quick",),
     "friction": (),
     "contact": (),
+    "states": (),
     "loops": ("quick",),
     "ports": ("quick",),
     "coordinates": (),
