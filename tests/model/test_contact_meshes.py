@@ -25,6 +25,8 @@ from jousto.mechanism import (
     TriangleMesh,
 )
 from jousto.mechanism.bodies.shapes import box, sphere
+from jousto.mechanism.contacts.crossings import crossing_pairs
+from jousto.mechanism.contacts.triangles import LEAF, Triangles, _boxes
 from jousto.model import shape_distance
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*moves freely", "ignore:.*energy balance")
@@ -603,6 +605,48 @@ def test_surfaces_that_are_refused(points, triangles, messages):
         TriangleMesh.of(points, triangles)
     for message in messages:
         assert message in str(error.value)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_a_surface_that_crosses_itself_is_refused(scale, turn):
+    R = Rotation.from_rotvec([turn, 0.5 * turn, turn]).as_matrix()
+    one = solid((1, 1, 1))
+    apart, inside, touching, crossing = (
+        scale * np.concatenate([one, other]) @ R.T
+        for other in (
+            one + [1.5, 0, 0],
+            0.5 * one[:, ::-1],  # a cavity
+            one + [1.0, 0.2, 0.3],
+            0.5 * one + [0.5, 0.2, 0.1],
+        )
+    )
+    for good in (apart, inside, touching):
+        TriangleMesh(good)
+    message = r"triangles \d+ and (1[2-9]|2[0-3]) .*cross each other.*intersects itself"
+    with pytest.raises(jo.InputError, match=message):
+        TriangleMesh(crossing)
+
+
+def test_crossing_triangles_are_those_of_all_pairs(rng):
+    centre = rng.uniform(-1, 1, (150, 1, 3))
+    p = centre + 0.3 * rng.uniform(-1, 1, (150, 3, 3))
+    mesh = Triangles.of(p)
+    expected = set()
+    for i in range(len(p)):  # an edge through a triangle: x_a + t d = a + u e + v f
+        for k in range(3):
+            start, d = p[i, k], p[i, (k + 1) % 3] - p[i, k]
+            A = np.stack([p[:, 1] - p[:, 0], p[:, 2] - p[:, 0], np.broadcast_to(-d, (150, 3))], 2)
+            A[i] = np.eye(3)
+            u, v, t = np.linalg.solve(A, (start - p[:, 0])[..., None])[..., 0].T
+            hit = (u > 0) & (v > 0) & (u + v < 1) & (t > 0) & (t < 1)
+            hit[i] = False
+            expected |= {tuple(sorted((i, int(j)))) for j in np.flatnonzero(hit)}
+    order = mesh._order
+    q = p[order]
+    found = order[crossing_pairs(q, _boxes(q)[0], LEAF, enough=10**6)]
+    assert {tuple(sorted(pair)) for pair in found.tolist()} == expected
+    assert 20 < len(expected) < 1000 and len(found) == len(expected)
 
 
 @pytest.mark.parametrize(

@@ -116,7 +116,7 @@ class TriangleMesh(TriangleSurface, tag="triangle-mesh"):
         except InputError as error:
             problems.found.extend(error.problems)
             return
-        for fault in surface.faults:
+        for fault in surface.faults or surface.crossings:
             problems.add(where, fault, "file")
         if self.thickness and not surface.faults and surface.closed:
             problems.add(

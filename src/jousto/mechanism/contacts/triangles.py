@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.errors import count
+from jousto.mechanism.contacts.crossings import crossing_pairs
 
 LEAF = 4
 """Triangles of a leaf of the tree of boxes (``JO_MESH_LEAF``)."""
@@ -147,6 +148,22 @@ class Triangles:
                 "corners"
             )
         return found
+
+    @property
+    def crossings(self) -> list[str]:
+        """Sentence on triangles of a surface without other faults that cross each other."""
+        order = self._order
+        p = self.vertices[self.corners[order]]
+        pairs = crossing_pairs(p, _boxes(p)[0], LEAF)
+        if not len(pairs):
+            return []
+        a, b = min(map(sorted, order[pairs].tolist()))
+        several = f" (the first of {len(pairs)} pairs that were found)" if len(pairs) > 1 else ""
+        return [
+            f"triangles {a} and {b}{several} cross each other, so that the surface intersects "
+            "itself; let the program that made it unite its parts, or give each part as a shape "
+            "of its own"
+        ]
 
     @property
     def volume(self) -> float:
