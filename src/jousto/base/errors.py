@@ -133,7 +133,18 @@ class UnknownNameError(InputError, KeyError):
 
 
 class NotAnalytic(JoustoError):
-    """Error: a quantity that complex steps cannot differentiate; the message contains it."""
+    """Error: a quantity that complex steps cannot differentiate; the message contains it.
+
+    Attributes
+    ----------
+    noisy : bool
+        Whether decisions within a run, such as the number of its steps, add noise of the size of
+        its errors.
+    """
+
+    def __init__(self, message: str, *, noisy: bool = False) -> None:
+        super().__init__(message)
+        self.noisy = noisy
 
 
 class SimulationError(JoustoError):

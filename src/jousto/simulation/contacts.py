@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jousto.mechanism.forces.contact import RESOLVE
 from jousto.model.model import ForceModel, Model
-from jousto.model.native.header import places
+from jousto.model.native.header import named, places
 
 STRETCH = "stretch "
 """Begin of the names of the states of a bristle: its stretch along three axes."""
@@ -30,6 +30,18 @@ def resolved_by(model: Model, how: str) -> list[ForceModel]:
         if field is not None and RESOLVE[int(np.real(force.data[field][0]))] == how:
             found.append(force)
     return found
+
+
+def slides_freely(force: ForceModel) -> bool:
+    """Return whether a force is a contact of two bodies that rests without friction.
+
+    Its force at rest follows from the position alone, not from the way to it.
+    """
+    if force.kind not in ("contact", "contact pair", "contact track"):
+        return False
+    x = named(f"jo_{force.kind.replace(' ', '_')}_data", np.real(force.data))
+    turns = float(getattr(x, "rolling", 0.0)) + float(getattr(x, "drilling", 0.0)) > 0.0
+    return not turns and not (float(x.mu_static) and float(x.shear))
 
 
 def contact_states(model: Model, begin: str) -> NDArray[np.intp]:

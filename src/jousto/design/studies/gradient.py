@@ -28,6 +28,7 @@ from jousto.design.studies.gradient_result import (
 )
 from jousto.design.studies.lost_derivatives import (
     AGREES,
+    FAR,
     RELATIVE,
     ROUNDING,
     WHOLE,
@@ -46,6 +47,8 @@ BENDS = 0.1
 
 NOISE, FLAT = 1e-10, 1e-6
 """Relative rounding error of an outcome, and the noise below which a change is no jump."""
+DECIDED = 1e-6
+"""Relative noise of an outcome of a run whose steps depend on contacts."""
 OURS = ("jousto", "numpy", "scipy", "pydantic", "pydantic_core")
 """Modules whose lines are left out of tracebacks for the author of the model."""
 
@@ -244,6 +247,8 @@ class Work:
         for i, one in enumerate(found):
             if one.error is not None:
                 self._record([i], DIFFERENCES, needs_real(one.error), j)
+                if isinstance(one.error, NotAnalytic) and one.error.noisy:
+                    self._noise[i, j] = DECIDED
                 continue
             if self._way[i][j] == NONE:
                 continue
@@ -320,8 +325,18 @@ class Work:
     def _difference(self, j: int) -> None:
         """Fill missing derivatives of a column by differences, where the outcomes are smooth."""
         rows = [i for i, row in enumerate(self._way) if row[j] == DIFFERENCES]
+        noisy = [i for i in rows if self._noise[i, j] >= DECIDED]
+        self._difference_of([i for i in rows if i not in noisy], j, (RELATIVE, CLOSE, WIDE))
+        self._difference_of(noisy, j, (WIDE, FAR))
+
+    def _difference_of(self, rows: list[int], j: int, shares: tuple[float, ...]) -> None:
+        """Fill some rows of a column by the first steps for which both sides agree, or by a bend.
+
+        The second steps are smaller than the first ones: a difference of slopes that stays is a
+        bend.
+        """
         gaps = np.zeros(len(self._values))
-        for share in (RELATIVE, CLOSE, WIDE):
+        for k, share in enumerate(shares if rows else ()):
             h = share * self._size(j)
             rise, fall, message = self._one_sided_slopes(j, h)
             gap = np.abs(rise - fall)
@@ -333,7 +348,7 @@ class Work:
             for i in rows:
                 self._jacobian[i, j] = 0.5 * (rise[i] + fall[i])
                 self._why[i][j] += message
-                if share == CLOSE and bent[i] and gap[i] < 3.0 * gaps[i]:
+                if k == 1 and bent[i] and gap[i] < 3.0 * gaps[i]:
                     bent[i] = False
                     self._why[i][j] += f"; it bends here, slopes {fall[i]:.6g} and {rise[i]:.6g}"
                 elif share == WIDE and not bent[i]:

@@ -129,8 +129,13 @@ class Repeated:
             raise NotAnalytic(f"{type(self._solver).__name__} chooses its steps")
         if any(friction.sticks for friction in model.frictions):
             raise NotAnalytic("friction sticks and slips")
-        if any(force.law.yields for force in model.forces):
-            raise NotAnalytic("a force yields")
+        for force in model.forces:
+            if force.law.yields:
+                touches = force.kind.startswith("contact")
+                may = "closes, opens, sticks and slips" if touches else "yields"
+                raise NotAnalytic(
+                    f"{force.element or force.kind} '{force.name}' {may}", noisy=touches
+                )
         if any(force.function is not None for force in model.forces):
             raise NotAnalytic("a force is a function of Python")
         if not self._plain:

@@ -8,10 +8,12 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from jousto.base.arrays import Array
 from jousto.base.complexstep import parts, plainly, real_parts
 from jousto.base.errors import NotAnalytic
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
+from jousto.simulation.contacts import slides_freely
 from jousto.simulation.controllers import controllers
 from jousto.simulation.modes.linear import modes
 from jousto.simulation.second_order import as_in, where_noticed
@@ -34,9 +36,13 @@ def rest(model: Model) -> State:
     """
     if controllers(model):
         raise NotAnalytic("the equilibrium of controllers is found by iterations")
+    for force in model.forces:
+        if force.law.yields and not slides_freely(force):
+            name = f"{force.element} '{force.name}'"
+            raise NotAnalytic(f"the rest on {name} depends on the way to it", noisy=True)
     with plainly():
         found = equilibrium(real_parts(model))
-    engine = _at(model, found.q, np.zeros(model.nv))
+    engine = _at(model, found.q, np.zeros(model.nv), found.states)
     engine.lam[:] = found.lam
     r, c = engine.residual().imag.copy(), engine.constraints()[0].imag.copy()
     A = engine.newton_matrix(0.0, 0.0, 1.0).real
@@ -46,7 +52,7 @@ def rest(model: Model) -> State:
     step = scipy.linalg.lstsq(A, -np.concatenate([r, c]), cond=RANK)[0]
     q = displaced(model, found.q, 1j * step[:nv])
     lam: Any = found.lam + 1j * step[nv:]
-    return State(q, found.v, lam, found.time)
+    return State(q, found.v, lam, found.time, states=found.states)
 
 
 def frequency(model: Model, number: int, at_rest: bool) -> float:
@@ -67,7 +73,8 @@ def frequency(model: Model, number: int, at_rest: bool) -> float:
     q = np.asarray(model.q0 if state is None else state.q)
     with plainly():
         zero = np.zeros(model.nv)
-        about = State(q.real.copy(), zero, np.zeros(model.nrow))
+        states = None if state is None else state.states
+        about = State(q.real.copy(), zero, np.zeros(model.nrow), states=states)
         found = modes(plain, about)
         loaded = where_noticed(plain, about, "modes")
     model = as_in(model, loaded, about)
@@ -80,16 +87,18 @@ def frequency(model: Model, number: int, at_rest: bool) -> float:
     s = s.real
     near = np.abs(squares - s) <= 2.0 * SAME * abs(s)
     place = int(near[: number - 1].sum())
-    slope = _slopes(model, q, s, int(near.sum()))[place]
+    slope = _slopes(model, q, states, s, int(near.sum()))[place]
     f = float(found.frequencies[number - 1])
     made: Any = f + 1j * slope / (8.0 * np.pi**2 * f)
     return np.complex128(made)  # type: ignore[return-value]
 
 
-def _slopes(model: Model, q: NDArray[Any], s: float, count: int) -> NDArray[np.float64]:
+def _slopes(
+    model: Model, q: NDArray[Any], states: Array | None, s: float, count: int
+) -> NDArray[np.float64]:
     """Return the derivatives (count,) of equal eigenvalues s = omega^2, ascending."""
     nv = model.nv
-    engine = _at(model, q, np.zeros(nv))
+    engine = _at(model, q, np.zeros(nv), states)
     a = engine.accelerations()[0].copy()
     K = engine.newton_matrix(0.0, 0.0, 1.0)
     M = engine.newton_matrix(1.0, 0.0, 0.0)[:nv, :nv]
@@ -117,7 +126,9 @@ def _slopes(model: Model, q: NDArray[Any], s: float, count: int) -> NDArray[np.f
     return np.sort(slopes.real)
 
 
-def _at(model: Model, q: NDArray[Any], v: NDArray[Any]) -> Engine:
+def _at(model: Model, q: NDArray[Any], v: NDArray[Any], states: Array | None = None) -> Engine:
     engine = Engine(model, complex_scalars=True)
     engine.q[:], engine.v[:] = q, v
+    if states is not None:  # such as which contacts are closed
+        engine.states[:] = states
     return engine
