@@ -8,32 +8,59 @@
 #include "force/force.h"
 #include "network/network.h"
 
-enum { JO_STATE_ITERATIONS = 20 };   /* largest number of Newton's method for the states */
-#define JO_STATES_FOUND 1e-14        /* increment of a state over its size at which they are found */
+enum { JO_STATE_ITERATIONS = 40 };   /* largest number of Newton's method for the states */
+enum { JO_STATE_HALVINGS = 40 };     /* largest number for one increment */
+#define JO_STATES_FOUND 1e-14  /* increment of a state over its size at which they are found */
+#define JO_STATES_NEAR 1e-9    /* the same, below which increments are not halved: where they do not shrink, that is round-off */
 
 static const jo_real *own_states(const jo_model *m, const jo_data *d, const jo_force *f) { return jo_states(m, d) + f->state; }
 
-/* states of an implicit step at the present position and velocity */
-static void condense(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_network *w)
+/* z = (ca - cv f_x)^-1 (f - x') with the factors at hand; returns its largest effect on a state over the size of that state */
+static double increment(const jo_data *d, const jo_stage *stage, const jo_force *f, jo_network *w, int first, jo_real *z)
 {
-    const double ca = stage->weights.a, cv = stage->weights.v;
+    double most = 0.0;
+    for (int i = 0; i < w->n; i++) z[i] = w->r[w->rate[i]] - d->a[first + i];
+    jo_network_solve(w->A, w->n, w->pivot, z);
+    for (int i = 0; i < w->n; i++) {
+        const double size = fabs(JO_RE(d->v[first + i])) + JO_RE(jo_network_starts(f)[w->n + i]);
+        most = fmax(most, fabs(stage->weights.v * JO_RE(z[i])) / size);
+    }
+    return most;
+}
+
+/* states + share z */
+static void shift(jo_data *d, const jo_stage *stage, int n, int first, double share, const jo_real *z)
+{
+    for (int i = 0; i < n; i++) {
+        d->rate[first + i] += share * z[i];
+        d->a[first + i] += share * stage->weights.a * z[i];
+        d->v[first + i] += share * stage->weights.v * z[i];
+    }
+}
+
+/* States of an implicit step at the present position and velocity: ca x' - cv f(x) = .. by Newton's method. Where a valve opens or closes, its
+ * slope at one end is not the one at the other: an increment is halved until the next one with the same factors is smaller (natural
+ * monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.1). */
+static int condense(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_network *w)
+{
+    const int first = m->nv + f->state;
     double before = INFINITY;
     for (int k = 0; k < JO_STATE_ITERATIONS; k++) {
         jo_network_evaluate(m, d, w, own_states(m, d, f), 0.0, 1);
-        jo_network_response(w, ca, cv);
-        double most = 0.0;
-        for (int i = 0; i < w->n; i++) w->z[i] = w->r[w->rate[i]] - d->a[m->nv + f->state + i];
-        jo_network_solve(w->A, w->n, w->pivot, w->z);
-        for (int i = 0; i < w->n; i++) {
-            const int at = m->nv + f->state + i;
-            d->rate[at] += w->z[i];
-            d->a[at] += ca * w->z[i];
-            d->v[at] += cv * w->z[i];
-            most = fmax(most, fabs(cv * JO_RE(w->z[i])) / (fabs(JO_RE(d->v[at])) + JO_RE(jo_network_starts(f)[w->n + i])));
-        }
-        if (!(most > JO_STATES_FOUND) || !(most < before)) return;
+        jo_network_response(w, stage->weights.a, stage->weights.v);
+        const double most = increment(d, stage, f, w, first, w->k);
+        shift(d, stage, w->n, first, 1.0, w->k);
+        if (!(most > JO_STATES_FOUND) || (most < JO_STATES_NEAR && !(most < before))) return JO_OK;
         before = most;
+        double taken = 1.0;
+        for (int i = 0; i < JO_STATE_HALVINGS && most > JO_STATES_NEAR; i++) {
+            jo_network_evaluate(m, d, w, own_states(m, d, f), 0.0, 0);
+            if (increment(d, stage, f, w, first, w->z) < most) break;
+            taken *= 0.5;
+            shift(d, stage, w->n, first, -taken, w->k);
+        }
     }
+    return JO_NO_CONVERGENCE;
 }
 
 static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y)
@@ -41,7 +68,10 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     static const jo_force_work none = {{0.0}, 0.0, 0.0, 0.0};
     jo_network *w = jo_network_of(d, f);
     *y = none;
-    if (jo_condenses(stage)) condense(m, d, stage, f, w);
+    if (jo_condenses(stage)) {
+        const int status = condense(m, d, stage, f, w);
+        if (status != JO_OK) return status;
+    }
     const int first = stage->contacts && !stage->earlier;
     jo_network_evaluate(m, d, w, own_states(m, d, f), stage->lead, first);
     if (stage->contacts && w->nopening) jo_network_note_openings(d, stage, w);

@@ -51,6 +51,10 @@ class Run(Protocol):
     def contacts(self) -> Any:
         """Contacts of the run, with `findings`."""
 
+    @property
+    def attributes(self) -> Any:
+        """Attributes of the run by name."""
+
 
 @described
 @dataclass(frozen=True)
@@ -174,7 +178,8 @@ def doctor(mechanism: Mechanism | Model | Run) -> Diagnosis:
     For a mechanism that cannot be assembled no error is raised: the result contains the reasons.
     Of contacts, shapes that overlap at the start are found. For a run, the warnings are about its
     contacts: fewer than 10 steps, too deep for the size of the shapes, another restitution than
-    asked for, steps in which a contact may have been missed; each with its remedy.
+    asked for, steps in which a contact may have been missed; and valves that open within a step;
+    each with its remedy.
 
     Parameters
     ----------
@@ -197,7 +202,9 @@ def doctor(mechanism: Mechanism | Model | Run) -> Diagnosis:
     runs in: joint coordinates (1 of a tree)
     """
     if not isinstance(mechanism, Mechanism | Model):
-        return Diagnosis(mechanism.name, warnings=mechanism.contacts.findings)
+        openings = mechanism.attributes.get("openings")
+        found = mechanism.contacts.findings
+        return Diagnosis(mechanism.name, warnings=(*found, openings) if openings else found)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", JoustoWarning)
         try:

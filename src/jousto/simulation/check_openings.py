@@ -10,12 +10,19 @@ SHOWN = 3
 """Largest number of valves in the warning."""
 
 
-def opening_warning(engine: Engine, step: float) -> str:
+def opening_facts(engine: Engine, step: float) -> dict[str, str]:
+    """Return the warning as an attribute of the run, which `doctor` repeats; none without it."""
+    sentence = _warning(engine, step)
+    return {"openings": sentence} if sentence else {}
+
+
+def _warning(engine: Engine, step: float) -> str:
     """Return the warning for valves that opened or closed within few steps; empty if none did.
 
     The matrix of ROS2 contains the slope of a flow at the start of a step: where a valve opens
     within the step, that slope is the one of a closed valve. Stages count, since a valve may open
     in the second stage of each step and be closed at the end of all steps.
+    Implicit methods solve for the pressures at the end of each step, and need no warning.
     """
     names = [name for force in engine.model.forces for name in force.openings]
     if not names:

@@ -17,7 +17,7 @@ from jousto.model.native.ensemble import structure
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.start_complex_step import has_steps, plain_model
-from jousto.simulation.check_openings import opening_warning
+from jousto.simulation.check_openings import opening_facts
 from jousto.simulation.results.contact_table import ContactTable
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import IN_MEMORY, MemoryRecords
@@ -202,10 +202,12 @@ class Repeated:
         except Contradiction:
             return None
         watch.judge()
-        if sentence := opening_warning(engine, plan.step):
-            warn(f"simulate {self._plain_model.name!r}", sentence)
+        openings = opening_facts(engine, plan.step)
+        if openings:
+            warn(f"simulate {self._plain_model.name!r}", openings["openings"])
         factor = (float(rows[-1, 0].real) - plan.start) / wall if wall > 0 else 0.0
         facts = {"ended": "completed", "wall_time": wall, "real_time_factor": factor, "complete": 1}
+        facts |= openings
         about = {**self._about, "run": uuid.uuid4().hex}
         touched = ContactTable()
         if self.model.touches:

@@ -22,7 +22,7 @@ from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import is_drive, repeated_rows
 from jousto.model.scales import largest_speed
 from jousto.simulation.check_motors import motor_turns
-from jousto.simulation.check_openings import opening_warning
+from jousto.simulation.check_openings import opening_facts
 from jousto.simulation.cosimulation.coupling import Coupling
 from jousto.simulation.cosimulation.fmu_process import FmuFailed
 from jousto.simulation.cosimulation.requirements import check_coupling, check_trust
@@ -301,7 +301,7 @@ def _run(
         facts = {"ended": ended, "wall_time": wall, "real_time_factor": factor}
         if solver.bounded:
             facts["deferred"] = int(engine.counts.deferred)
-        facts |= contact_facts(engine)
+        facts |= contact_facts(engine) | opening_facts(engine, step)
         try:
             if engine.model.touches:
                 keeper.touch(engine.touching())
@@ -338,8 +338,8 @@ def _run(
             f"only the first {EVENTS} events are in the results; declare fewer events",
         )
     watch.judge()
-    if sentence := opening_warning(engine, step):
-        warn(f"simulate {engine.model.name!r}", sentence)
+    if opened := solution.attributes.get("openings"):
+        warn(f"simulate {engine.model.name!r}", opened)
     if sentence := deferred_warning(int(engine.counts.deferred), int(engine.counts.steps)):
         warn(f"simulate {engine.model.name!r}", sentence)
     if engine.model.beams:
