@@ -107,13 +107,6 @@ def test_table_on_four_legs(at, wanted):
         assert found[contact.name][2] == pytest.approx(N, abs=2e-6)
 
 
-def test_paths_refuse_contacts():
-    model = stack(0.0, 1e-4)
-    for verb in (jo.simulation.load_path, jo.simulation.buckling):
-        with pytest.raises(jo.InputError, match="contact 'c0.*a path does not follow"):
-            verb(model, "gravity", to=1.0)
-
-
 def test_joints_that_stick_are_refused():
     arm = jo.RigidBody("arm", 1.0, (0.1,) * 3, position=(0, 0, 1))
     joint = jo.Revolute("pin", jo.ground.at((0, 0, 1)), arm["origin"], axis=(0, 1, 0))

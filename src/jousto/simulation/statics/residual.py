@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.base.arrays import Array, skew
 from jousto.base.errors import Problems, suggest
 from jousto.base.rotations import parse_direction, rotation_matrix
-from jousto.model.model import Model
+from jousto.model.model import ForceModel, Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.scales import velocity_metres
-from jousto.simulation.contacts import contacts
+from jousto.simulation.contacts import contacts, slides_freely
 from jousto.simulation.controllers import without_controllers
 from jousto.simulation.modes.spectrum import blocks, newton_sparse
 from jousto.simulation.state import State, put
@@ -26,6 +26,10 @@ LIGHT = 1e-12  # smallest mass, inertia or modal mass in the metric, over the la
 SOFT = 1e-10  # compliance added to redundant rows, over the largest compliance
 FIXED = 1e-9  # residual of a rotation over the size, below which the joints allow it
 GRAVITY, TIME, SPEED = "gravity", "time", "speed"
+SMOOTH = ("contact", "contact track")
+"""Contacts whose force is a function of the position; their first state is the phase."""
+APART, CLOSED = 0, 1
+"""Phases of a contact without friction."""
 
 
 class Balance:
@@ -49,8 +53,8 @@ class Balance:
     speed : float
         Speed of the rotation, rad/s.
     frictionless : bool
-        True omits stick-slip friction; False raises an error for it, since its force at rest is
-        not unique.
+        True omits stick-slip friction; False raises an error for it, also for that of contacts,
+        since its force at rest is not unique.
     """
 
     def __init__(
@@ -93,11 +97,11 @@ class Balance:
                     "law=Regularised()",
                 )
         for force in contacts(model) if not frictionless else ():
-            problems.add(
-                f"contact '{force.name}'",
-                "opens, closes and sticks, which a path does not follow; call equilibrium at each "
-                "load, starting from the state before",
-            )
+            if why := _beside_a_path(force):
+                problems.add(
+                    f"contact '{force.name}'",
+                    f"{why}; call equilibrium at each load, starting from the state before",
+                )
         unit = None if axis is None else parse_direction(problems, where, "axis", axis)
         at = problems.array(where, "point", point, (3,))
         problems.raise_if_any()
@@ -109,6 +113,8 @@ class Balance:
             put(self.engine, state, where)
             if frictionless:
                 self._let_go()
+        self._may_touch = [] if frictionless else [f.state for f in contacts(model)]
+        self._let_touch()
         self.engine.v[:] = 0.0
         self.engine.a[:] = 0.0
         self.axis = None if unit is None else np.array(unit / np.linalg.norm(unit), dtype=float)
@@ -125,6 +131,15 @@ class Balance:
         for friction in self.model.frictions:
             if friction.sticks:
                 self.engine.locked[self.model.joints[friction.lock].lock] = 0
+
+    def _let_touch(self) -> None:
+        """Let every contact act wherever its shapes overlap.
+
+        Then the force is a function of the position within an iteration as well, and contacts close
+        and open on the path by themselves.
+        """
+        phases = self.engine.states[self._may_touch]
+        self.engine.states[self._may_touch] = np.where(phases == APART, CLOSED, phases)
 
     # -- the parameter ------------------------------------------------------------------------
 
@@ -334,6 +349,7 @@ class Balance:
         """Restore the plastic deformation of the forces at a state."""
         if state.states is not None:
             self.engine.states[:] = state.states
+            self._let_touch()
 
     def count_turns(self, q: Array, lam: Array, value: float) -> None:
         """Count the revolutions of angles at the end of a step, such as of motors behind gears."""
@@ -359,7 +375,17 @@ class Balance:
             inputs=kept,
             states=np.array(engine.states),
         )
+        self._let_touch()
         return state, sensors
+
+
+def _beside_a_path(force: ForceModel) -> str:
+    """Return why a path does not follow a contact; "" if it does."""
+    if force.kind in ("contact set", "contact slot"):
+        return "finds its pairs in the steps of a run; make it single contacts without friction"
+    if not slides_freely(force):
+        return "sticks and slips, so that the equilibrium is not unique; leave out its friction"
+    return "" if force.kind in SMOOTH else "touches at corners that change on the way"
 
 
 def skew_any(w: Any) -> Any:
