@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,90 +11,10 @@ from scipy.spatial.transform import Rotation
 from jousto.base.arrays import Array, crossed, skew
 from jousto.mechanism.forces.base import Push
 from jousto.natural.equations.bodies import FRAME
+from jousto.natural.equations.contact_law import contact
 from jousto.natural.equations.coordinates import Scalars
-from jousto.natural.equations.frames import Frames, Pose, tangent
-
-
-@dataclass(eq=False)
-class Instant:
-    """State of a machine for the evaluation of forces.
-
-    Attributes
-    ----------
-    t : float
-        Time, s.
-    q, v : arrays
-        Coordinates and velocities.
-    pose : Pose
-        Markers.
-    s, rate : arrays (ns,)
-        Scalar functions and their rates.
-    gradients : array (ns, 2, 4, 3)
-        Derivatives of scalar functions with respect to both markers.
-    lam : array (m,)
-        Multipliers.
-    """
-
-    t: float
-    q: Array
-    v: Array
-    pose: Pose
-    s: Array
-    rate: Array
-    gradients: Array
-    lam: Array
-
-    @property
-    def y(self) -> Array:
-        """Points and axes of all markers."""
-        return self.pose.y
-
-    @cached_property
-    def dy(self) -> Array:
-        """Rates of the points and axes of all markers."""
-        return self.pose.rates(self.v)
-
-
-@dataclass(eq=False)
-class Action:
-    """Sums of the effects of all forces.
-
-    Attributes
-    ----------
-    along : array (ns,)
-        Forces along scalar functions.
-    loads : array (nm, 4, 3)
-        Forces on the points and axes of markers.
-    direct : array (nb, 12 + n)
-        Forces on the coordinates of bodies.
-    stored, damping, rubbed, work : float
-        Energy in springs, J, and the powers of dampers, of friction, and of external forces, W.
-    felt : list
-        Sensor value of every law.
-    slopes : list
-        Numbers of scalar functions, or bodies (k, 2) and derivatives (k, 2, 12 + n) of others,
-        with stiffness and damping (k, k) along them.
-    """
-
-    along: Array
-    loads: Array
-    direct: Array
-    stored: float = 0.0
-    damping: float = 0.0
-    rubbed: float = 0.0
-    work: float = 0.0
-    felt: list[Array] = field(default_factory=list)
-    slopes: list[tuple[Any, Array, Array]] = field(default_factory=list)
-
-
-Law = Callable[[Instant, Action], None]
-
-
-def moment(y: Array, T: Array) -> Array:
-    """Return the forces (4, 3) of a torque T on the axes of a marker: ``T x axis / 2``."""
-    out = np.zeros((4, 3))
-    out[1:] = 0.5 * crossed(T, y[1:])
-    return out
+from jousto.natural.equations.frames import Frames, tangent
+from jousto.natural.equations.instant import Action, Instant, Law, moment
 
 
 def factor(signal: Any, t: float) -> float:
@@ -357,6 +275,7 @@ LAWS: dict[str, Callable[[Push, Frames, Scalars], Law]] = {
     "modal load": modal_load,
     "moving load": moving,
     "user": user,
+    "contact": contact,
 }
 """Laws by the word of a `Push`."""
 
@@ -366,7 +285,6 @@ REFUSED = {
     "network": "it has no states with equations of their own",
     "contact set": "it has no bristles and does not locate a touch in time",
     "contact slot": "it has no bristles and does not locate a touch in time",
-    "contact": "it has no bristles and does not locate a touch in time",
     "contact pair": "it has no bristles and does not locate a touch in time",
     "slider": "it has no curves through nodes of beams",
     "contact track": "it has no bristles and does not locate a touch in time",

@@ -12,7 +12,7 @@ from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Angle
 from jousto.natural.equations.constraints import Rows
 from jousto.natural.equations.coordinates import Scalars
-from jousto.natural.equations.force_laws import Action, Instant, Law
+from jousto.natural.equations.instant import Action, Instant, Law
 
 NEARBY = 1e-6  # relative increment of the squared speed in a finite difference
 

@@ -14,6 +14,7 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.sensors.base import Reading, Sensor
 from jousto.natural.equations.friction import reaction
+from jousto.natural.equations.supported import is_sum
 from jousto.natural.equations.system import Machine
 from jousto.natural.equations.trapezoidal_step import Motion
 
@@ -62,7 +63,7 @@ class Reader:
             return lambda now: -now.motion.lam[rows][0] * factors
         if kind == "reaction":
             return self._reaction(of, reading.axes)
-        if kind in ("element", "friction"):
+        if kind in ("element", "friction") or is_sum(reading):
             return self._force(reading, len(sensor.components))
         raise TypeError(f"no reading {kind!r}")
 
@@ -160,9 +161,11 @@ class Reader:
     def _force(self, reading: Reading, count: int) -> Callable[[_Now], Any]:
         place, first = self.machine.felt[id(reading.of)], int(reading.other or 0)
         resolve = self._resolved(reading.axes)
+        laws = len(reading.of.pushes) if getattr(reading.of, "summed", False) else 1
 
         def force(now: _Now) -> Array:
-            values = now.motion.action.felt[place][first : first + count]
+            felt = now.motion.action.felt[place : place + laws]
+            values = np.sum(felt, axis=0)[first : first + count]
             return np.asarray(values) if count < 3 else resolve(now, values)
 
         return force

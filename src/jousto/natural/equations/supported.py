@@ -11,8 +11,10 @@ from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Angle, Displacement, Distance
 from jousto.mechanism.joints.coupling import Coupler
 from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.sensors.base import Reading
 from jousto.mechanism.signals.base import Input, Signal, leaves
 from jousto.mechanism.signals.switched import Switched
+from jousto.natural.equations.contact_law import left_out
 from jousto.natural.equations.force_laws import LAWS, REFUSED
 
 READINGS = (
@@ -76,7 +78,13 @@ def check_known(mechanism: Mechanism, *, sensors: bool = True) -> None:
 
 def is_read(sensor: Any) -> bool:
     """Return whether the moving frame supports a sensor."""
-    return sensor.reading.kind in READINGS
+    reading = sensor.reading
+    return reading.kind in READINGS or is_sum(reading)
+
+
+def is_sum(reading: Reading) -> bool:
+    """Return whether a sensor measures the sum of the points of one contact."""
+    return reading.kind == "contact" and getattr(reading.of, "summed", False)
 
 
 def _check_forces(problems: Problems, mechanism: Mechanism) -> None:
@@ -90,6 +98,10 @@ def _check_forces(problems: Problems, mechanism: Mechanism) -> None:
                         where(joint), f"the moving frame does not support {type(s).__name__}"
                     )
     for force in mechanism.forces:
+        # points of one contact lack the same
+        for why in dict.fromkeys(left_out(p) for p in force.pushes if p.kind == "contact"):
+            if why:
+                problems.add(where(force), why)
         for push in force.pushes:
             if push.kind not in LAWS:
                 why = f": {REFUSED[push.kind]}" if push.kind in REFUSED else ""

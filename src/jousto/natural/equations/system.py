@@ -14,9 +14,10 @@ from jousto.natural.equations.block_matrix import Layout, Slopes
 from jousto.natural.equations.bodies import Bodies, Shape
 from jousto.natural.equations.constraints import Rows
 from jousto.natural.equations.coordinates import Scalars
-from jousto.natural.equations.force_laws import LAWS, Action, Instant, Law
+from jousto.natural.equations.force_laws import LAWS
 from jousto.natural.equations.frames import Frames, Pose
 from jousto.natural.equations.friction import friction_law
+from jousto.natural.equations.instant import Action, Instant, Law
 from jousto.natural.equations.supported import check_known
 
 LEAST = 1e-12

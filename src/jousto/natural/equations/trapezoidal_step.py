@@ -15,7 +15,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
 from jousto.natural.equations.block_matrix import Solve, Term
-from jousto.natural.equations.force_laws import Action
+from jousto.natural.equations.instant import Action
 from jousto.natural.equations.system import Machine, Place
 
 DIVERGED = 1e3  # relative increment from which on an iteration diverges
