@@ -77,6 +77,7 @@ typedef double jo_real;
     ROW(slider, stiffness, damping, play, hold, brake, mu, resistance, slow, count) \
     ROW(network, number, states, coordinates, signals, constants, values, instructions, pushes, slopes, memories, openings) \
     ROW(memory, network, first, count, period, phase, margin, jumps) \
+    ROW(delay, network, input, slope, time, points, given, initial, size) \
     /* the last row */
 
 /* Methods of integration, a row each: ROW(name, family, order, stages, coefficients), which the Python binding reads, too. A row makes
@@ -107,7 +108,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 31 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 32 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -130,11 +131,13 @@ typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_J
                JO_ENDLESS = 10,           /* too many events within one step; error_index: event, or nevent + friction */
                JO_BENT = 11,              /* rotation of about pi between the ends of a beam element; error_index: beam */
                JO_TOO_MANY_CONTACTS = 12, /* more pairs are near than there are slots; error_index: force of the set */
-               JO_BEYOND_TABLE = 13       /* an argument beyond a table whose ends end the run; error_index: force of the network */
+               JO_BEYOND_TABLE = 13,      /* an argument beyond a table whose ends end the run; error_index: force of the network */
+               JO_DELAY_FULL = 14         /* an input jumps more often within a delay than it keeps points; error_index: force of the delay */
 } jo_status;
 typedef enum { JO_SIGNAL_CONSTANT = 0, JO_SIGNAL_HARMONIC = 1, JO_SIGNAL_TABLE = 2, JO_SIGNAL_STEP = 3,
                JO_SIGNAL_PIECES = 4, JO_SIGNAL_SUM = 5, JO_SIGNAL_PRODUCT = 6, JO_SIGNAL_INPUT = 7,
-               JO_SIGNAL_SWITCHED = 8, JO_SIGNAL_SPEED = 9, JO_SIGNAL_NETWORK = 10 } jo_signal_type;
+               JO_SIGNAL_SWITCHED = 8, JO_SIGNAL_SPEED = 9, JO_SIGNAL_NETWORK = 10,
+               JO_SIGNAL_DELAY = 11 } jo_signal_type;
 typedef enum { JO_COORDINATE_AXES = 1,        /* (axis_a of a) . (axis_b of b) */
                JO_COORDINATE_ALONG = 2,       /* (axis_a of a) . (r_b - r_a), m */
                JO_COORDINATE_DISTANCE = 3,    /* |r_b - r_a|, m */
@@ -343,7 +346,7 @@ typedef struct { jo_real time, before, after; } jo_step_data;
 typedef struct { jo_real offset, speed; } jo_speed_data;
 typedef struct {
     int type;               /* jo_signal_type */
-    int count;              /* TABLE, PIECES: number of times; INPUT: index of the input; SWITCHED: event */
+    int count;              /* TABLE, PIECES: number of times; INPUT: index of the input; SWITCHED: event; DELAY: force */
     int degree;             /* PIECES: degree of the polynomials */
     int child[2];           /* SUM, PRODUCT: signals; SWITCHED: before and after the event */
     const jo_real *data;

@@ -700,6 +700,7 @@ def _states(made: Made, _: Path) -> list[Call]:
             },
         ),
         (words.Play, {"name": "s", "input": x, "play": 0.1}),
+        (words.Delay, {"name": "s", "input": x, "time": 0.1}),
         (words.Relay, {"name": "s", "input": x, "lower": -1.0, "upper": 1.0}),
         (
             words.BoucWen,

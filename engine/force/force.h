@@ -48,6 +48,8 @@ typedef struct {
     int (*strikes)(const jo_model *m, const jo_data *d, const jo_force *f, struct jo_strike *list, int room);
     /* its points with the states x, at most JO_MAX_TOUCHES, and sums (JO_TOUCH_SUMS), to which it adds; returns their number; NULL: none */
     int (*touches)(const jo_model *m, const jo_data *d, const jo_force *f, const jo_real *x, jo_touch *y, jo_real *sums);
+    /* a second update, when the states of all forces have changed: to what they jump at the end of the step; NULL: none */
+    jo_real (*follow)(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x);
 } jo_yielding;
 
 /* functions that the file of each kind of force defines; the rows of the kinds are in jousto.h. */
@@ -77,10 +79,19 @@ int jo_condenses(const jo_stage *stage);   /* whether an implicit stage solves f
 jo_real jo_condense_state(const jo_model *m, jo_data *d, const jo_stage *stage, int state, jo_real rate, jo_real decay);
 void jo_keep_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f);   /* constant in the step */
 
+/* delay_ring.c */
+jo_signal_work jo_delayed(const jo_model *m, const jo_data *d, int force, jo_real time);   /* value of a signal of the kind DELAY */
+
+/* force_delay.c */
+int jo_delay_count(const jo_data *d);
+void jo_delay_keep(const jo_model *m, jo_data *d, int k);   /* what the end of a step would add to the k-th delay, for jo_delay_error */
+double jo_delay_error(const jo_model *m, const jo_data *d, int k);   /* of the interpolation within this step, at the present state; relative */
+
 /* signal.c */
 jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_real time);
 
 /* force_table.c */
+void jo_start_force(const jo_model *m, jo_data *d, int force);   /* initial values of its states */
 int jo_apply_force(const jo_model *m, jo_data *d, const jo_stage *stage, int force);
 int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
@@ -96,6 +107,7 @@ void jo_force_layout(const jo_model *m, jo_data *d, jo_arena *a);
 /* states at the end of a step, after jo_yielding_ready; records: whether the step is accepted, so that contacts are recorded; whether forces
  * jump */
 int jo_accept_yielding(const jo_model *m, jo_data *d, int records);
+int jo_follow_jumps(const jo_model *m, jo_data *d);   /* second updates; whether forces jump */
 void jo_force_state(const jo_model *m, const jo_data *d, int force, int state, jo_real *y);   /* one state at present */
 jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k);   /* of force d->forces.yielding[k] */
 int jo_yielding_ready(const jo_model *m, jo_data *d);   /* coordinates of the forces that yield, at the present state */

@@ -208,5 +208,5 @@ static int touches(const jo_model *m, const jo_data *d, const jo_force *f, const
     return 1;
 }
 
-static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, strikes, touches};
+static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, strikes, touches, 0};
 const jo_force_kind jo_force_contact = {apply, stored, tangent, start, nominals, &yielding};

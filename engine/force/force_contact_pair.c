@@ -466,5 +466,5 @@ static int points(const jo_model *m, const jo_data *d, const jo_force *f, const 
     return count;
 }
 
-static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, strikes, points};
+static const jo_yielding yielding = {update, margin, jumps, longest_step, ease, approach, strikes, points, 0};
 const jo_force_kind jo_force_contact_pair = {apply, stored, tangent, start, nominals, &yielding};

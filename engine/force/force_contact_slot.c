@@ -109,5 +109,5 @@ static int slot_touches(const jo_model *m, const jo_data *d, const jo_force *f, 
     return count;
 }
 
-static const jo_yielding yielding = {update_slot, slot_margin, slot_jumps, longest_step_of_slot, ease_slot, slot_approach, slot_strikes, slot_touches};
+static const jo_yielding yielding = {update_slot, slot_margin, slot_jumps, longest_step_of_slot, ease_slot, slot_approach, slot_strikes, slot_touches, 0};
 const jo_force_kind jo_force_contact_slot = {apply, stored_in_slot, tangent, free_slot, slot_nominals, &yielding};

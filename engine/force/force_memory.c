@@ -94,5 +94,5 @@ static void nominals(const jo_model *m, const jo_force *f, double duration, doub
     for (int i = 0; i < f->states; i++) x[i] = 1.0;
 }
 
-static const jo_yielding yielding = {update, margin, jumps, longest_step, 0, 0, 0, 0};
+static const jo_yielding yielding = {update, margin, jumps, longest_step, 0, 0, 0, 0, 0};
 const jo_force_kind jo_force_memory = {apply, 0, tangent, start, nominals, &yielding};

@@ -220,5 +220,5 @@ static jo_real margin(const jo_model *m, const jo_data *d, const jo_force *f)
     return JO_YIELD_MARGIN * numbers(f)->strength - present(d, f).excess;
 }
 
-static const jo_yielding yielding = {update, margin, 0, 0, 0, 0, 0, 0};
+static const jo_yielding yielding = {update, margin, 0, 0, 0, 0, 0, 0, 0};
 const jo_force_kind jo_force_plastic = {apply, stored, tangent, start, nominals, &yielding};

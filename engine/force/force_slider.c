@@ -187,5 +187,5 @@ static jo_real margin(const jo_model *m, const jo_data *d, const jo_force *f)
     return jo_same(1.0);
 }
 
-static const jo_yielding yielding = {update, margin, 0, 0, 0, 0, 0, 0};
+static const jo_yielding yielding = {update, margin, 0, 0, 0, 0, 0, 0, 0};
 const jo_force_kind jo_force_slider = {apply, stored, tangent, start, nominals, &yielding};

@@ -77,20 +77,10 @@ int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
     return JO_OK;
 }
 
-void jo_start_states(const jo_model *m, jo_data *d)
+void jo_start_force(const jo_model *m, jo_data *d, int force)
 {
-    if (!m->nstate) return;
-    jo_real unused[2];
-    jo_residuals(m, d, unused);   /* kinematics of markers and coordinates at q, v */
-    jo_coordinates_rate(m, d, m->ncoordinate);
-    jo_state_changed(d);
-    for (int i = 0; i < m->nforce; i++) {
-        const jo_force *f = &m->force[i];
-        if (f->state >= 0) table[f->type]->start(m, d, f, jo_states(m, d) + f->state);
-    }
-    double none = 0.0;
-    int overlap;
-    jo_find_contacts(m, d, &none, &overlap);   /* pairs that touch at the start; the first step reports a failure */
+    const jo_force *f = &m->force[force];
+    if (f->state >= 0) table[f->type]->start(m, d, f, jo_states(m, d) + f->state);
 }
 
 void jo_state_nominals(const jo_model *m, double duration, double *x)
@@ -103,7 +93,12 @@ void jo_state_nominals(const jo_model *m, double duration, double *x)
 
 void jo_force_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
+    int most = 0;
+    for (int i = 0; i < m->nforce && m->nyielding; i++)
+        if (jo_yielding_of(&m->force[i]) && m->force[i].states > most) most = m->force[i].states;
     d->forces.yielding = jo_take_ints(a, m->nyielding);
+    d->forces.follower = jo_take_ints(a, m->nyielding);
+    d->forces.next = jo_take_reals(a, most);
     d->forces.seen = jo_take_doubles(a, m->nyielding ? m->nstate : 0);
     d->forces.slopes = jo_take_many(a, m->nstate, sizeof *d->forces.slopes);
     jo_contact_sets_layout(m, d, a);

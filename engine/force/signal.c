@@ -116,6 +116,7 @@ jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_
     case JO_SIGNAL_SUM: return sum(jo_signal_at(m, d, child[0], time), jo_signal_at(m, d, child[1], time));
     case JO_SIGNAL_PRODUCT: return product(jo_signal_at(m, d, child[0], time), jo_signal_at(m, d, child[1], time));
     case JO_SIGNAL_INPUT: y.value = d->input[s->count]; break;
+    case JO_SIGNAL_DELAY: return jo_delayed(m, d, s->count, time);
     case JO_SIGNAL_SWITCHED: return jo_signal_at(m, d, child[d->happened[s->count] > 0], time);
     default: break;
     }

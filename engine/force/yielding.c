@@ -1,4 +1,4 @@
-/* yielding.c - forces that yield: their states at the ends of steps, margins and dissipated energy. */
+/* yielding.c - forces that yield: their states at the start and at the ends of steps, margins and dissipated energy. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "force/force.h"
@@ -72,10 +72,23 @@ static jo_real update_of(const jo_model *m, const jo_data *d, const jo_force *f,
     return jo_released(d, f->release) ? jo_same(0.0) : jo_yielding_of(f)->update(m, d, f, x);
 }
 
+/* what follows jumps of the other forces at the same time; whether forces jump */
+int jo_follow_jumps(const jo_model *m, jo_data *d)
+{
+    int jumped = 0;
+    for (int k = 0; k < d->forces.following; k++) {
+        const jo_force *f = &m->force[d->forces.follower[k]];
+        const jo_yielding *kind = jo_yielding_of(f);
+        kind->follow(m, d, f, jo_states(m, d) + f->state);
+        jumped |= kind->jumps(f, jo_states(m, d) + f->state, jo_states(m, d) + f->state);
+    }
+    return jumped;
+}
+
 /* The states of the end of a step, and its dissipated energy; for that of contacts see contact_record.c. */
 int jo_accept_yielding(const jo_model *m, jo_data *d, int records)
 {
-    jo_real x[JO_MOST_SLOT_STATES];
+    jo_real *x = d->forces.next;
     int jumped = 0;
     for (int k = 0; k < m->nyielding; k++) {
         const jo_force *f = &m->force[d->forces.yielding[k]];
@@ -89,7 +102,7 @@ int jo_accept_yielding(const jo_model *m, jo_data *d, int records)
         jumped |= jumps;
         for (int i = 0; i < f->states; i++) jo_states(m, d)[f->state + i] = x[i];
     }
-    return jumped;
+    return jumped | jo_follow_jumps(m, d);
 }
 
 void jo_yield(const jo_model *m, jo_data *d)
@@ -105,7 +118,7 @@ void jo_yield(const jo_model *m, jo_data *d)
 
 jo_real jo_yielding_loss(const jo_model *m, const jo_data *d)
 {
-    jo_real sum = {0.0}, x[JO_MOST_SLOT_STATES];
+    jo_real sum = {0.0}, *x = d->forces.next;
     for (int k = 0; k < m->nyielding; k++) {
         const jo_force *f = &m->force[d->forces.yielding[k]];
         if (!jo_yielding_of(f)->touches) sum += update_of(m, d, f, x);
@@ -115,7 +128,7 @@ jo_real jo_yielding_loss(const jo_model *m, const jo_data *d)
 
 jo_real jo_bristles_at_end(const jo_model *m, const jo_data *d)
 {
-    jo_real sums[JO_TOUCH_SUMS] = {0.0}, x[JO_MOST_SLOT_STATES];
+    jo_real sums[JO_TOUCH_SUMS] = {0.0}, *x = d->forces.next;
     jo_touch unused[JO_MAX_TOUCHES];
     for (int k = 0; k < m->nyielding; k++) {
         const int force = d->forces.yielding[k];
@@ -129,11 +142,25 @@ jo_real jo_bristles_at_end(const jo_model *m, const jo_data *d)
 void jo_force_state(const jo_model *m, const jo_data *d, int force, int state, jo_real *y)
 {
     const jo_force *f = &m->force[force];
-    jo_real x[JO_MOST_SLOT_STATES];
+    jo_real *x = d->forces.next;
     y[0] = jo_states(m, d)[f->state + state];
     if (!jo_yielding_of(f)) return;
     update_of(m, d, f, x);
     y[0] = x[state];
+}
+
+void jo_start_states(const jo_model *m, jo_data *d)
+{
+    if (!m->nstate) return;
+    jo_real unused[2];
+    jo_residuals(m, d, unused);   /* kinematics of markers and coordinates at q, v */
+    jo_coordinates_rate(m, d, m->ncoordinate);
+    jo_state_changed(d);
+    for (int i = 0; i < m->nforce; i++) jo_start_force(m, d, i);
+    for (int k = 0; k < 2 * d->forces.following; k++) jo_follow_jumps(m, d);   /* values, then rates, of which each may need those of others */
+    double none = 0.0;
+    int overlap;
+    jo_find_contacts(m, d, &none, &overlap);   /* pairs that touch at the start; the first step reports a failure */
 }
 
 /* the list of the forces that yield, and their states if there is no model */
@@ -143,4 +170,7 @@ void jo_force_setup(const jo_model *m, jo_data *d)
     d->forces.nstate = m->nstate;
     for (int i = 0; i < m->nforce && k < m->nyielding; i++)
         if (jo_yielding_of(&m->force[i])) d->forces.yielding[k++] = i;
+    d->forces.following = 0;
+    for (int k = 0; k < m->nyielding; k++)
+        if (jo_yielding_of(&m->force[d->forces.yielding[k]])->follow) d->forces.follower[d->forces.following++] = d->forces.yielding[k];
 }

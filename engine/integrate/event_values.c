@@ -99,6 +99,7 @@ int jo_accept_yielding_states(const jo_model *m, jo_data *d, double *g)
     jo_brief_step(d, 0.0, 0);
     if (jumped) {
         jo_state_changed(d);
+        jo_stage_forgotten(d);
         jo_forces_jumped(d);
     }
     /* generalised alpha continues from these states */

@@ -44,18 +44,36 @@ static int close_joints(const jo_model *m, jo_data *d)
            && jo_most(jo_largest_residual_rate(m, d)) <= JO_CLOSED * jo_most(jo_speed(m, d));
 }
 
-/* row at time t within the last step, by dense output; the state at the end of the step is restored */
-static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, double t, jo_real *row)
+/* state at time t within the last step, by dense output; that at its end is kept */
+static void move_between(const jo_model *m, jo_data *d, double t)
 {
-    const int known = jo_accelerations_known(d);
-    const jo_real time = d->time[0];
-    const jo_work work = d->work;
     for (int i = 0; i < d->ny; i++) d->adaptive.q1[i] = d->y[i];
     for (int i = 0; i < d->nw; i++) d->adaptive.v1[i] = d->w[i];
     for (int i = 0; i < m->nrow; i++) d->adaptive.lam1[i] = d->lam[i];
     jo_interpolate(m, d, (t - d->control.from) / d->control.length);
     d->time[0] = t;
     jo_state_changed(d);
+}
+
+/* the state at the end of the step again */
+static void move_back(const jo_model *m, jo_data *d, jo_real time, int known)
+{
+    for (int i = 0; i < d->ny; i++) d->y[i] = d->adaptive.q1[i];
+    for (int i = 0; i < d->nw; i++) d->w[i] = d->adaptive.v1[i];
+    jo_positions_moved(d);
+    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->adaptive.lam1[i];
+    d->time[0] = time;
+    jo_restore_stage(d, 1);
+    jo_stage_recalled(d, known);
+}
+
+/* row at time t within the last step */
+static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, double t, jo_real *row)
+{
+    const int known = jo_accelerations_known(d);
+    const jo_real time = d->time[0];
+    const jo_work work = d->work;
+    move_between(m, d, t);
     int status = JO_OK;
     if (s->projection && m->njoint && !close_joints(m, d)) {
         status = jo_accelerations(m, d);
@@ -67,15 +85,28 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     jo_place_contact_losses(d, (t - d->control.from) / d->control.length, jo_bristles_at_end(m, d), losses);
     if (status == JO_OK) status = jo_write_row(m, d, row);
     jo_place_contact_losses(d, 1.0, jo_same(0.0), losses);
-    for (int i = 0; i < d->ny; i++) d->y[i] = d->adaptive.q1[i];
-    for (int i = 0; i < d->nw; i++) d->w[i] = d->adaptive.v1[i];
-    jo_positions_moved(d);
-    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->adaptive.lam1[i];
     d->work = work;
-    d->time[0] = time;
-    jo_restore_stage(d, 1);
-    jo_stage_recalled(d, known);
+    move_back(m, d, time, known);
     return status;
+}
+
+/* error of the interpolation of delayed values / tolerance, in the middle of the step */
+static double delay_error(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const int known = jo_accelerations_known(d);
+    const jo_real time = d->time[0];
+    const jo_work work = d->work;
+    double error = 0.0;
+    for (int k = 0; k < jo_delay_count(d); k++) {
+        if (jo_yielding_ready(m, d) != JO_OK) return 0.0;
+        jo_delay_keep(m, d, k);
+        move_between(m, d, d->control.from + 0.5 * d->control.length);
+        if (jo_yielding_ready(m, d) == JO_OK)
+            error = jo_larger(error, jo_delay_error(m, d, k) / s->tolerance);
+        d->work = work;
+        move_back(m, d, time, known);
+    }
+    return error;
 }
 
 static double size_of(const jo_model *m) { return m->size > 0.0 ? m->size : 1.0; }
@@ -152,7 +183,7 @@ static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
             if (error != error) return error;
         }
     }
-    return jo_larger(error, state_error(m, d, s));
+    return jo_larger(jo_larger(error, state_error(m, d, s)), delay_error(m, d, s));
 }
 
 static void update_extent(const jo_model *m, jo_data *d)

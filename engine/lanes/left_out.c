@@ -324,6 +324,12 @@ jo_network *jo_network_of_memory(const jo_data *d, const jo_force *f)
     (void)d; (void)f;
     return 0;
 }
+jo_signal_work jo_delayed(const jo_model *m, const jo_data *d, int force, jo_real time)
+{
+    (void)m; (void)d; (void)force; (void)time;
+    const jo_signal_work y = {jo_same(NAN), jo_same(NAN), jo_same(NAN)};
+    return y;
+}
 void jo_network_coordinates(const jo_model *m, jo_data *d, const jo_network *w)
 {
     (void)m; (void)d; (void)w;

@@ -39,7 +39,7 @@ static inline jo_network *jo_network_at(const jo_data *d, int i) { return &d->ne
 
 /* network_layout.c */
 int jo_is_network(const jo_force *f);
-jo_network *jo_network_of_memory(const jo_data *d, const jo_force *f);   /* 0: the force is no memory */
+jo_network *jo_network_of_memory(const jo_data *d, const jo_force *f);   /* 0: the force is no memory and no delay */
 void jo_network_coordinates(const jo_model *m, jo_data *d, const jo_network *w);   /* values and rates at the present state */
 int jo_network_rows(const jo_model *m);   /* coordinates of all networks */
 int jo_network_coordinate(const jo_force *f, int k);   /* the k-th coordinate of a network; -1 beyond the last one */

@@ -29,6 +29,7 @@ jo_network *jo_network_of(const jo_data *d, const jo_force *f) { return &d->netw
 
 jo_network *jo_network_of_memory(const jo_data *d, const jo_force *f)
 {
+    if (f->type == JO_FORCE_delay) return &d->networks.list[jo_whole(((const jo_delay_data *)f->data)->network)];
     return f->type == JO_FORCE_memory ? &d->networks.list[jo_whole(((const jo_memory_data *)f->data)->network)] : 0;
 }
 
@@ -164,7 +165,7 @@ static void find_memories(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
         jo_network *w = jo_network_of_memory(d, f);
-        if (!w) continue;
+        if (!w || f->type != JO_FORCE_memory) continue;
         const jo_memory_data *x = (const jo_memory_data *)f->data;
         for (int k = 0; k < jo_whole(x->count); k++) w->memory[jo_whole(x->first) + k] = f->state + 1 + k;
     }

@@ -13,6 +13,7 @@ import jousto as jo
 from exported import CC, expected, rows_of
 from jousto.mechanism import (
     BlockForce,
+    Delay,
     LookupMap,
     PIDController,
     Play,
@@ -103,7 +104,7 @@ def test_a_program_has_a_hydraulic_network(tmp_path: Path, core: str, method: st
 def test_a_program_has_samples_play_relays_and_tables(
     tmp_path: Path, core: str, method: str
 ) -> None:
-    """A cart with sampled control through a play, a relay on its rate, and a map as a spring."""
+    """A cart with sampled control, late, a play, a relay on its rate, and a map as a spring."""
     cart = jo.RigidBody("cart", 2.0, (1, 1, 1))
     rail = jo.Prismatic("rail", jo.ground["origin"], cart["origin"], axis=(1, 0, 0))
     s = rail.displacement
@@ -113,13 +114,17 @@ def test_a_program_has_samples_play_relays_and_tables(
     play, relay = Play("play", s, 0.01), Relay("relay", rate(s), -0.2, 0.1, on=2.0)
     knots = [-0.3, -0.1, 0.0, 0.2, 0.3]
     table = LookupMap("table", play["y"], rate(s), knots, [-1, 0, 2], np.outer(knots, [1, 2, 3]))
-    push = BlockForce("push", s, control["u"] + relay["y"] - 5.0 * table["z"])
+    late = Delay("late", control["u"] + rate(s), 0.0175)
+    push = BlockForce("push", s, late["y"] + relay["y"] - 5.0 * table["z"])
     sensors = (
         jo.CoordinateSensor("x", s),
-        *(StateSensor(name, name) for name in ("control.n", "play.y", "relay.y", "table.z")),
+        *(
+            StateSensor(name, name)
+            for name in ("control.n", "play.y", "relay.y", "table.z", "late.y")
+        ),
     )
     start = jo.Initial(s, value=0.2)
-    blocks = control, play, relay, table, push
+    blocks = control, play, relay, table, late, push
     model = jo.compile(jo.Mechanism(cart, rail, start, *blocks, *sensors, core=core))
     solver = getattr(jo, method)(step=1e-3)
     found = rows_of(model, solver, tmp_path, "1.0", "20")

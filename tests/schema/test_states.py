@@ -86,7 +86,8 @@ states:
   - {type: pid, name: pid, reference: 100 cm, measured: measured.y, kp: 8, ki: 4, kd: 4, limit: 1.5,
      anti_windup: clamping, feedforward: 0.1*system.y}
   - {type: lead, name: lead, input: pid.u, lead: 30 ms, lag: 10 ms}
-  - {type: lag, name: motor, input: lead.y, time: 20 ms}
+  - {type: delay, name: late, input: lead.y, time: 15 ms, initial: 0.1, points: 50, size: 2}
+  - {type: lag, name: motor, input: late.y, time: 20 ms}
   - {type: rate-limit, name: slow, input: motor.y, rising: 20}
   - {type: saturation, name: limited, input: slow.y, lower: -1.2, upper: 1.2}
   - {type: dead-band, name: band, input: limited.y, lower: -0.1, upper: 0.1}
@@ -127,7 +128,8 @@ def test_blocks_equal_the_python_constructors() -> None:
     gains = {"kp": 8.0, "ki": 4.0, "kd": 4.0, "limit": 1.5, "anti_windup": "clamping"}
     pid = b.PIDController("pid", 1.0, tf["y"], feedforward=0.1 * system["y"], **gains)
     lead = b.Lead("lead", pid["u"], 0.03, 0.01)
-    motor = b.Lag("motor", lead["y"], 0.02)
+    late = b.Delay("late", lead["y"], 0.015, initial=0.1, points=50, size=2.0)
+    motor = b.Lag("motor", late["y"], 0.02)
     slow = b.RateLimit("slow", motor["y"], 20.0)
     limited = b.Saturation("limited", slow["y"], -1.2, 1.2)
     band = b.DeadBand("band", limited["y"], -0.1, 0.1)
@@ -149,7 +151,7 @@ def test_blocks_equal_the_python_constructors() -> None:
     )
     push = b.BlockForce("push", s, table["z"])
     blocks = system, tf, error, pid, lead, motor, slow, limited, band, chosen, power, work, push
-    blocks = *blocks, curve, table, digital, valve, back, wires
+    blocks = *blocks, curve, table, digital, valve, back, wires, late
     sensors = (
         StateSensor("work", work["y"], unit="J"),
         StateSensor("y", system["y"]),

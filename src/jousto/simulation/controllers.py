@@ -48,6 +48,21 @@ def without_states(model: Model, where: str, remedy: str) -> None:
         raise InputError(problems)
 
 
+def without_delays(model: Model, where: str) -> None:
+    """Raise InputError if values of a model depend on the motion a fixed time before."""
+    problems = [
+        Problem(
+            where,
+            f"{force.state_names[0].partition('.')[0]!r} delays its input; simulate, or take a Lag "
+            "or a Pade form as a TransferFunction in its place",
+        )
+        for force in model.forces
+        if force.kind == "delay"
+    ]
+    if problems:
+        raise InputError(problems)
+
+
 def hold_controllers(model: Model) -> Model:
     """Return a model in which controllers have a constant integral part and no derivative part.
 

@@ -16,3 +16,8 @@ EngineLaw(
     constants=("network", "first", "count", "period", "phase", "margin", "jumps"),
     yields=True,
 ).declared()
+EngineLaw(
+    "delay",
+    constants=("network", "input", "slope", "time", "points", "given", "initial", "size"),
+    yields=True,
+).declared()

@@ -34,6 +34,8 @@ class Equations:
         Values of the memories from the end of a step or from a sample on.
     margin : Expression, optional
         Expression that is positive; where it would become negative, a step ends.
+    delayed : Expression, optional
+        Expression whose value the block delays by its `time`.
     """
 
     rates: dict[str, Any] = keep(default_factory=dict)
@@ -41,13 +43,14 @@ class Equations:
     forces: list[tuple[Coordinate, Any]] = keep(default_factory=list)
     updates: dict[str, Any] = keep(default_factory=dict)
     margin: Any = None
+    delayed: Any = None
 
     @property
     def roots(self) -> tuple[Any, ...]:
         """All expressions."""
         some = *self.rates.values(), *self.outputs.values(), *(f for _, f in self.forces)
-        ends = () if self.margin is None else (self.margin,)
-        return (*some, *self.updates.values(), *ends)
+        others = (one for one in (self.margin, self.delayed) if one is not None)
+        return (*some, *self.updates.values(), *others)
 
 
 class Block(Declared, section="states"):
@@ -183,6 +186,8 @@ class Block(Declared, section="states"):
             done.forces.append((coordinate, found))
         if made.margin is not None:
             done.margin = as_expression(problems, where, "margin", made.margin)
+        if made.delayed is not None:
+            done.delayed = as_expression(problems, where, "input", made.delayed)
         problems.raise_if_any()
         return done
 

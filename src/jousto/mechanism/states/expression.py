@@ -25,7 +25,8 @@ class Expression(Signal):
     ----------
     operation : str
         Operation of the engine, or the kind of a leaf: "number", "time", "value", "rate",
-        "signal", "state", "output", or "named" for a state or output of the block of a name.
+        "signal", "state", "output", "named" for a state or output of the block of a name, or
+        "delayed" for what a block delays.
     parts : tuple of Expression
         Operands.
     of : object

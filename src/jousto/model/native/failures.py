@@ -140,6 +140,14 @@ def failure(model: Model, status: str, index: int, cause: BaseException | None =
             'an input of a table with outside="stop" lies beyond its knots; give the table more '
             'knots, or outside="line" or "hold"',
         )
+    if status == "delay full":
+        force = model.forces[index]
+        points = int(named("jo_delay_data", force.data).points.real)
+        return Problem(
+            f"delay '{force.state_names[0].partition('.')[0]}'",
+            f"its input jumps too often within the delay for {points} points; give it more, such "
+            f"as points={10 * points}",
+        )
     if status == "too many contacts":
         force = model.forces[index]
         return Problem(

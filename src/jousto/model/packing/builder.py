@@ -248,6 +248,10 @@ class Builder:
         system, register = self._registers[id(signal)]
         return SignalModel("network", np.zeros(1), system, children=(register, -1))
 
+    def delayed(self, force: int) -> int:
+        """Return the index of a new signal, the output of a delay, which is the force `force`."""
+        return self._append(SignalModel("delay", np.zeros(1), force))
+
     def place_of(self, signal: Signal) -> int:
         """Return the index of a signal that was added before."""
         return self._places["signal", id(signal)]

@@ -53,7 +53,26 @@ class System(ForceElement):
         network = Push(
             "network", {}, numbers=self._packed, states=names, active=True, openings=openings
         )
-        return (network, *map(self._kept, self._made.kept))
+        # delays before memories: their inputs at the end of a step are those before it
+        return (network, *map(self._delay, self._made.delays), *map(self._kept, self._made.kept))
+
+    def _delay(self, delay: _Delay) -> Push:
+        """Return a delay as a law of the engine."""
+        block: Any = delay.block
+        data = packed(
+            "jo_delay_data",
+            network=self.number,
+            input=self._made.register[delay.input],
+            slope=-1 if delay.slope is None else self._made.register[delay.slope],
+            time=block.time,
+            points=block.points,
+            given=block.initial is not None,
+            initial=0.0 if block.initial is None else block.initial,
+            size=block.size,
+        )
+        ring = (f"{what}{i + 1}" for i in range(block.points) for what in ("time", "value", "rate"))
+        states = tuple(f"{block.name}.{name}" for name in ("points", "jumps", "first", *ring))
+        return Push("delay", {}, numbers=lambda _: Packed(data), states=states)
 
     def _kept(self, memory: _Memory) -> Push:
         """Return what a block keeps within steps as a law of the engine."""
@@ -81,6 +100,13 @@ class System(ForceElement):
         pairs = zip(self.watched, made.seen, strict=True)
         return {id(one): made.register[node] for one, node in pairs}
 
+    def _signal(self, builder: Any, one: Signal | Block) -> int:
+        """Return the index of a signal of time, or of the output of a delay."""
+        if isinstance(one, Signal):
+            return int(builder.signal(one))
+        delays = [delay.block for delay in self._made.delays]
+        return int(builder.delayed(1 + len(builder.forces) + delays.index(one)))
+
     def _packed(self, builder: Any) -> Packed:
         made = self._made
         places = [builder.declared(c) for c in made.coordinates]
@@ -92,7 +118,7 @@ class System(ForceElement):
             [start for start, _ in sizes],
             [size for _, size in sizes],
             places,
-            [builder.signal(signal) for signal in made.signals],
+            [self._signal(builder, one) for one in made.signals],
             made.constants,
             made.code,
             [made.register[node] for node in made.rates],
@@ -123,13 +149,21 @@ class _Memory(NamedTuple):
     margin: int | None
 
 
+class _Delay(NamedTuple):
+    """Block that delays; entries of its input and the rate of this, None if it is not known."""
+
+    block: Block
+    input: int
+    slope: int | None
+
+
 class _Assembly:
     """Program of a system, and what its registers mean."""
 
     def __init__(self, blocks: Sequence[Block], watched: Sequence[Expression]) -> None:
         self.program = Program()
         self.coordinates: list[Coordinate] = []
-        self.signals: list[Signal] = []
+        self.signals: list[Signal | Block] = []
         self.states = [(block, name) for block in blocks for name in block.starts]
         self._state = {(id(block), name): i for i, (block, name) in enumerate(self.states)}
         kept = [(block, name) for block in blocks for name in block.memories]
@@ -157,6 +191,11 @@ class _Assembly:
             for block, one in zip(blocks, equations, strict=True)
             if block.memories
         ]
+        self.delays = [
+            self._delayed(block, one.delayed)
+            for block, one in zip(blocks, equations, strict=True)
+            if one.delayed is not None
+        ]
         self.seen = [self._node(one) for one in watched]
         self.openings = [
             (f"{name} of {block.kind} {block.name!r}", self._node(one))
@@ -177,6 +216,12 @@ class _Assembly:
         updates = [self._node(equations.updates[name]) for name in block.memories]
         margin = None if equations.margin is None else self._node(equations.margin)
         return _Memory(block, first, updates, None if self._no_rate else margin)
+
+    def _delayed(self, block: Block, of: Expression) -> _Delay:
+        node = self._node(of)
+        self._no_rate = False
+        slope = self._rate_of(node)
+        return _Delay(block, node, None if self._no_rate else slope)
 
     def _rate_of(self, node: int) -> int:
         """Return the total derivative of an entry by time; 0 if it needs accelerations."""
@@ -232,10 +277,10 @@ class _Assembly:
             return p.leaf("time")
         if kind in ("value", "rate"):
             return p.leaf(kind, self._coordinate(one.of))
-        if kind == "signal":
+        if kind in ("signal", "delayed"):  # a delayed value is a function of time within a step
             if not any(one.of is other for other in self.signals):
                 self.signals.append(one.of)
-            return p.leaf(kind, next(i for i, x in enumerate(self.signals) if x is one.of))
+            return p.leaf("signal", next(i for i, x in enumerate(self.signals) if x is one.of))
         block, name = self._target(one)
         if name in block.starts:
             return p.leaf("state", self._state[id(block), name])
@@ -272,8 +317,8 @@ class _Assembly:
             if (block, name) in on_path:
                 loop = [*on_path[on_path.index((block, name)) :], (block, name)]
                 text = (
-                    f"algebraic loop: {' needs '.join(f'{b.name}.{n}' for b, n in loop)}; a lag "
-                    "or an integrator in the loop opens it"
+                    f"algebraic loop: {' needs '.join(f'{b.name}.{n}' for b, n in loop)}; a lag, "
+                    "an integrator or a delay in the loop opens it"
                 )
                 raise InputError(Problem(f"{block.kind} {block.name!r}", text))
             on_path.append((block, name))
@@ -289,6 +334,7 @@ class _Assembly:
         first = {"state": 0, "value": n, "rate": n + m}
         rows = [*enumerate(self.rates), *((n + k, node) for k, node in self.pushes)]
         kept = [x for one in self.kept for x in (*one.updates, one.margin) if x is not None]
+        kept += [x for one in self.delays for x in (one.input, one.slope) if x is not None]
         found = [node for _, node in self.openings]
         roots = [*self.rates, *(x for _, x in self.pushes), *self.seen, *kept, *found]
         self._values = self.program.below(roots)

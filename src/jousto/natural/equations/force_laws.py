@@ -282,6 +282,7 @@ LAWS: dict[str, Callable[[Push, Frames, Scalars], Law]] = {
 REFUSED = {
     "pid": "it does not integrate the states of controllers",
     "memory": "it has no values that are sampled or kept from the steps before",
+    "delay": "it does not keep the motion before",
     "network": "it has no states with equations of their own",
     "contact set": "it has no bristles and does not locate a touch in time",
     "contact slot": "it has no bristles and does not locate a touch in time",

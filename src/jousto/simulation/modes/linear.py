@@ -21,6 +21,7 @@ from jousto.simulation.controllers import (
     controllers,
     hold_controllers,
     moving_states,
+    without_delays,
     without_states,
 )
 from jousto.simulation.second_order import where_noticed
@@ -198,6 +199,7 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
         If a body or joint is singular at the state.
     """
     without_fmus(model, "linearise", "has no derivatives here")
+    without_delays(model, "linearise")
     q, v, time = (model.q0, model.v0, 0.0) if state is None else (state.q, state.v, state.time)
     nv, T = model.nv, body_frame_increments(model, q)
     engine, steps = Engine(model), Engine(model, complex_scalars=True)
@@ -323,6 +325,7 @@ def at_rest(model: Model, state: State) -> Rest:
         If a body or joint is singular at the state.
     """
     without_fmus(model, "modes", "has no derivatives here")
+    without_delays(model, "modes")
     still, T = replace(state, v=np.zeros(model.nv)), body_frame_increments(model, state.q)
     engine, twin = Engine(model), Engine(model, complex_scalars=True)
     for one in (engine, twin):

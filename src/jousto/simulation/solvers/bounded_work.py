@@ -63,6 +63,16 @@ def check_bounded(model: Model, solver: Solver) -> None:
         if force.kind == "memory"
         for what, x, near in _between_steps(force, solver.step)
     ]
+    problems += [
+        Problem(
+            f"delay {force.state_names[0].partition('.')[0]!r}",
+            f"is {delay:g} s, less than the step of {solver.step:g} s; take a shorter step, or "
+            'events="located"',
+        )
+        for force in model.forces
+        if force.kind == "delay"
+        and (delay := float(np.real(named("jo_delay_data", force.data).time))) < solver.step
+    ]
     if problems:
         raise InputError(problems)
 

@@ -150,11 +150,11 @@ def without_memories(model: Model, where: str) -> None:
     problems = [
         Problem(
             where,
-            f"{force.state_names[0].rpartition('.')[0]!r} keeps values from the steps before; "
+            f"{force.state_names[0].partition('.')[0]!r} keeps values from the steps before; "
             "simulate until the machine has come to rest",
         )
         for force in model.forces
-        if force.kind == "memory"
+        if force.kind in ("memory", "delay")
     ]
     if problems:
         raise InputError(problems)
