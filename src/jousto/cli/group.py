@@ -38,6 +38,7 @@ OFFERS = {
     "multiaxial": "multiaxial strain-life hertz",
     "analyses": "path buckle equilibrium modes linearise kinematics",
     "study": "study",
+    "identify": "identify",
     "reliability": "reliability",
     "optimise": "optimise",
     "verify": "verify",

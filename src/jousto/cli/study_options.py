@@ -56,16 +56,21 @@ def nothing_varied(known: dict[str, Any]) -> str:
     return f"name the parameters to vary: {', '.join(known)}"
 
 
-def varied(text: str, known: dict[str, Parameter], axes: dict[str, list[float]]) -> Parameter:
-    """Return the parameter of one --vary option; grid values are added to `axes`."""
+def varied(
+    text: str,
+    known: dict[str, Parameter],
+    axes: dict[str, list[float]],
+    option: str = "--vary",
+) -> Parameter:
+    """Return the parameter of one option such as --vary; grid values are added to `axes`."""
     from jousto.design.studies.parameters.distributions import CALL, read_distribution
     from jousto.design.studies.parameters.samples import check_count
 
     name, equals, values = (piece.strip() for piece in text.partition("="))
-    where = f"--vary {name}"
+    where = f"{option} {name}"
     if name not in known:
         tail = suggest(name, known) if known else f"; {nothing_varied(known)}"
-        raise InputError(Problem("--vary", f"no parameter {name!r}{tail}"))
+        raise InputError(Problem(option, f"no parameter {name!r}{tail}"))
     own = known[name]
     if not equals:
         return own

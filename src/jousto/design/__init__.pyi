@@ -3,6 +3,10 @@ from .flexibility.advise_flexibility import advise_flexibility as advise_flexibi
 from .flexibility.body_advice import BodyAdvice as BodyAdvice, ReadingAdvice as ReadingAdvice
 from .flexibility.flexibility_advice import FlexibilityAdvice as FlexibilityAdvice
 from .flexibility.reading_loss import ReadingLoss as ReadingLoss, reading_loss as reading_loss
+from .identification.experiment import Experiment as Experiment
+from .identification.identified import Identified as Identified
+from .identification.identify import identify as identify
+from .identification.values import Values as Values
 from .optimisation.comparison import Comparison as Comparison
 from .optimisation.equivalent import equivalent_loads as equivalent_loads
 from .optimisation.from_model_file import file_problem as file_problem

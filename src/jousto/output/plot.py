@@ -14,6 +14,7 @@ from jousto.output.style import Picture
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from jousto.design.identification.identified import Identified
     from jousto.design.optimisation.comparison import Comparison
     from jousto.design.optimisation.optimum import Optimum
     from jousto.design.reliability.form import FormResult
@@ -69,6 +70,7 @@ DRAWN = {
     "PlanarPath": "figures.planar.plot_planar",
     "Optimum": "figures.optimisation.plot_optimum",
     "Comparison": "figures.optimisation.plot_comparison",
+    "Identified": "figures.identification.plot_identified",
     "StudyTable": "figures.studies.plot_study",
 }
 BEAM = "figures.beams.plot_beam"
@@ -110,7 +112,7 @@ def plot(thing: FormResult | SamplingResult | LinearisationCheck | RbdoResult, *
 @overload
 def plot(thing: StudyTable, *names: str, kind: Literal["lines", "scatter", "surface", "parallel"] | None = ..., path: File = ...) -> Picture: ...  # noqa: E501
 @overload
-def plot(thing: GaugeComparison | MonitorRecord | Optimum | Comparison | PlanarRun | PlanarPath, *, path: File = ...) -> Picture: ...  # noqa: E501
+def plot(thing: GaugeComparison | Identified | MonitorRecord | Optimum | Comparison | PlanarRun | PlanarPath, *, path: File = ...) -> Picture: ...  # noqa: E501
 # fmt: on
 @explained
 def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
@@ -138,6 +140,7 @@ def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
                                   `scale`, `view`
         load path                 load over a sensor's value; the sensor
         gauge comparison          measured and virtual channels
+        identification            measured and fitted channels, residuals
         band of a twin            stress with its band: `sites`, `truth`
         record of a monitor       stress, damage and health of channels
         result of FORM            importance of the variables, sensitivities of beta

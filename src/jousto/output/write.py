@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from jousto.certificate.certificate import Certificate
+    from jousto.design.identification.identified import Identified
     from jousto.design.optimisation.comparison import Comparison
     from jousto.design.optimisation.optimum import Optimum
     from jousto.export.ports import Named
@@ -69,6 +70,7 @@ WRITTEN = {
     "Verification": {"html": "pages.verification.write_verification"},
     "Optimum": {"html": "pages.optimum.write_optimum"},
     "Comparison": {"html": "pages.optimum.write_optimum"},
+    "Identified": {"html": "pages.identification.write_identified"},
 }
 
 OWN = {"csv": "to_csv", "h5": "save"}
@@ -99,7 +101,7 @@ def write(thing: Model, path: File, *, solver: Solver | None = ..., state: State
 @overload
 def write(thing: Monitor, path: File, *, name: str = ...) -> Path: ...
 @overload
-def write(thing: LoadPath | Certificate | Verification | Optimum | Comparison, path: File) -> Path: ...  # noqa: E501
+def write(thing: LoadPath | Certificate | Verification | Optimum | Comparison | Identified, path: File) -> Path: ...  # noqa: E501
 # fmt: on
 @explained
 def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
@@ -120,7 +122,8 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
         certificate       .html               a page without network or script
         verification      .html               a page without network or script
         optimum,          .html               a page without network or script
-        comparison
+        comparison,
+        identification
         run               .csv                sensors; their names
                           .vtu .pvd           all bodies at `times`, modal deformation times
                                               `scale`; or the surface of one `beam`

@@ -1,0 +1,1 @@
+"""Identification: numbers of a model from measurements, and how sure they are."""

@@ -1,0 +1,252 @@
+"""Bench of a record: runs of its machine, and what the sensors show at the measured instants."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.design.identification.experiment import Comparison, Experiment, comparisons
+from jousto.design.studies.case import Case, Settings, run_together
+from jousto.design.studies.parameters.parameter import Parameter
+from jousto.design.studies.running.evaluator import Evaluator
+from jousto.design.studies.running.sources import Memory, source_of
+from jousto.measurement.gauges.record import record_of
+from jousto.mechanism.signals.piecewise import Table
+from jousto.model.native.ensemble import machines
+from jousto.simulation.results.solution import Solution
+from jousto.simulation.running.simulate import simulate
+
+ALIGNED = 1e-6
+"""Share of a step within which a measured instant is an instant of the run."""
+FINER = 4
+"""Instants of the run in a step of the record where instants between them are needed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """Machine of an experiment, which is run at any point.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    evaluator : Evaluator
+        Machines of the experiment.
+    places : (k,) array of int
+        Places of the machine's parameters among all unknowns.
+    t_end : float
+        End of the runs, s.
+    how : dict
+        Solver and output step.
+    held : dict of str to array
+        Values of held inputs, one for each output step.
+    workers : int
+        Runs at the same time.
+    """
+
+    experiment: Experiment
+    evaluator: Evaluator
+    places: Array
+    t_end: float
+    how: Mapping[str, Any]
+    held: Mapping[str, Array]
+    workers: int
+
+    @property
+    def name(self) -> str:
+        """Name for tables and messages."""
+        return str(self.experiment.name)
+
+    @property
+    def solver(self) -> Any:
+        """Method of the runs; None if it is not chosen yet."""
+        return self.how.get("solver")
+
+    def compare(self, problems: Problems, run: Solution) -> tuple[Comparison, ...]:
+        """Return what is compared, from a run at the start values, and report all problems."""
+        return comparisons(problems, self.experiment, dict(record_of(run).units))
+
+    def show(self, run: Solution, comparison: Comparison, shift: float) -> tuple[Array, Array]:
+        """Return what a sensor shows in a run at the measured instants, and its rate (n,)."""
+        return sensor_values(run, comparison, shift)
+
+    def results(self, points: Sequence[Array]) -> list[Any]:
+        """Return the runs of points (np,) of all unknowns, or the error of each."""
+        found: list[Any] = []
+        jobs: list[tuple[int, Case]] = []
+        with self.evaluator.count_warnings():
+            for theta in points:
+                try:
+                    case = self.evaluator.case(np.asarray(theta)[self.places])
+                    case.prepare()
+                    jobs.append((len(found), case))
+                    found.append(InputError(Problem("identify", "has not run")))
+                except Exception as error:
+                    found.append(error)
+            if not self.held:
+                width = machines()
+                for k in range(0, len(jobs), width):
+                    run_together([case for _, case in jobs[k : k + width]])
+            with ThreadPoolExecutor(self.workers) as pool:
+                for (i, _), run in zip(
+                    jobs, pool.map(self._run, (c for _, c in jobs)), strict=True
+                ):
+                    found[i] = run
+        self.evaluator.memory.counts["runs"] += len(jobs)
+        return found
+
+    def _run(self, case: Case) -> Solution | Exception:
+        """Return the run of a machine, or its error."""
+        try:
+            if self.held:
+                inputs = {**case._inputs, **self.held}
+                how = case._machine.settings.given(case.model)
+                return simulate(case.model, self.t_end, inputs=inputs, **how)
+            return case.run
+        except Exception as error:
+            return error
+
+    def with_solver(self, solver: Any) -> Bench:
+        """Return the bench with another method or step."""
+        how = {**self.how, "solver": solver}
+        return replace(self, evaluator=self._evaluator(self.t_end, how), how=how)
+
+    def until(self, share: float) -> Bench:
+        """Return the bench whose runs end at a share of the time."""
+        step = self.how["output_step"]
+        count = max(round(share * self.t_end / step), 1)
+        held = {name: values[:count] for name, values in self.held.items()}
+        evaluator = self._evaluator(count * step, self.how)
+        return replace(self, evaluator=evaluator, t_end=count * step, held=held)
+
+    def _evaluator(self, t_end: float, how: Mapping[str, Any]) -> Evaluator:
+        """Return the evaluator of runs with other settings; it shares the compiled models."""
+        source: Any = self.evaluator.source
+        settings = Settings(t_end, how, source.settings.inputs)
+        made = Evaluator(replace(source, settings=settings), self.evaluator.parameters, ())
+        made.memory, made.notes = self.evaluator.memory, self.evaluator.notes
+        return made
+
+
+def make_bench(
+    problems: Problems,
+    experiment: Experiment,
+    model: Any,
+    parameters: Sequence[Parameter],
+    solver: Any,
+    workers: int,
+) -> Bench | None:
+    """Return the bench of an experiment; None, with a problem, if there is none.
+
+    Parameters
+    ----------
+    problems : Problems
+    experiment : Experiment
+    model : object
+        Machine of all experiments that have none of their own.
+    parameters : sequence of Parameter
+        Unknowns of the model.
+    solver : Solver or None
+    workers : int
+    """
+    record = experiment.record
+    own = model if experiment.model is None else experiment.model
+    if own is None:
+        problems.add(experiment.where, "has no model; give one to identify or to the experiment")
+        return None
+    shifted = any(value for value in experiment.shift.values())
+    step, t_end = _output_step(record.time, shifted)
+    how: dict[str, Any] = {"output_step": step}
+    if solver is not None:
+        how["solver"] = solver
+    if experiment.state is not None:
+        how["state"] = experiment.state
+    try:
+        source = source_of(own, Settings(t_end, how, {}))
+        taken = {p.name: p.value for p in parameters if source.takes(p.name)}
+        known = tuple(source.machine(taken, Memory()).model.inputs)
+        signals, held = _drives(problems, experiment, known, round(t_end / step), step)
+        source = source_of(own, Settings(t_end, how, signals))
+    except InputError as error:
+        problems.found += error.problems
+        return None
+    used = [k for k, p in enumerate(parameters) if p.name in taken or p.name in known]
+    for name in (parameters[k].name for k in used):
+        if name in signals or name in held:
+            message = f"is driven by a channel of {experiment.where}, too"
+            problems.add(f"parameter {name!r}", message)
+    chosen = tuple(replace(parameters[k], bounds=None, distribution=None) for k in used)
+    made = Evaluator(source, chosen, ())
+    return Bench(experiment, made, np.array(used, dtype=int), t_end, how, held, workers)
+
+
+def _drives(
+    problems: Problems, experiment: Experiment, known: Sequence[str], steps: int, step: float
+) -> tuple[dict[str, Table], dict[str, Array]]:
+    """Return the signals of driven inputs, and the values of held ones for each output step."""
+    record, given = experiment.record, experiment.inputs
+    if given is None:
+        given = {name: name for name in known if name in record}
+    signals: dict[str, Table] = {}
+    held: dict[str, Array] = {}
+    for name, channel in given.items():
+        if name not in known:
+            problems.add(experiment.where, f"inputs: no input {name!r}{suggest(name, known)}")
+            continue
+        good = np.isfinite(record[channel])
+        time, values = record.time[good], record[channel][good]
+        if name in experiment.held:
+            starts = step * (np.arange(steps) + ALIGNED)
+            held[name] = values[np.maximum(np.searchsorted(time, starts, "right") - 1, 0)]
+        else:
+            signals[name] = Table(time, values)
+    for name in experiment.held:
+        if name not in given:
+            problems.add(experiment.where, f"held: no input {name!r}{suggest(name, given)}")
+    return signals, held
+
+
+def _output_step(time: Array, shifted: bool) -> tuple[float, float]:
+    """Return the output step and the end of the runs of a record, s.
+
+    The instants of an even record are instants of the run if the first is a multiple of the step.
+    """
+    step = float(np.median(np.diff(time)))
+    count = time / step
+    even = bool(np.all(np.abs(count - np.rint(count)) < 0.01))
+    if even:
+        # the mean step of the whole record has less rounding than one difference
+        step = float(time[-1] / np.rint(count[-1]))
+        even = bool(np.all(np.abs(time / step - np.rint(time / step)) < ALIGNED * len(time)))
+    if not even or shifted:
+        step /= FINER
+    return step, step * math.ceil(time[-1] / step - ALIGNED)
+
+
+def sensor_values(run: Solution, comparison: Comparison, shift: float) -> tuple[Array, Array]:
+    """Return what a sensor shows at the measured instants less a shift, and its rate (n,).
+
+    Values outside the run are nan.
+    """
+    wanted = comparison.time - shift
+    time, values = np.asarray(run.time), np.asarray(run[comparison.sensor]).reshape(-1)
+    step = (time[-1] - time[0]) / (len(time) - 1)
+    place = (wanted - time[0]) / step
+    near = np.rint(place).astype(int)
+    inside = (near >= 0) & (near < len(time))
+    sought = isinstance(comparison.shift, Parameter)
+    if not sought and np.all(inside) and np.all(np.abs(place - near) < ALIGNED * len(time)):
+        return values[near], np.zeros(len(near))
+    from scipy.interpolate import CubicSpline
+
+    curve = CubicSpline(time, values)
+    outside = (wanted < time[0] - ALIGNED * step) | (wanted > time[-1] + ALIGNED * step)
+    shown, rate = curve(wanted), curve(wanted, 1)
+    shown[outside] = np.nan
+    return shown, rate
