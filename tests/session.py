@@ -324,6 +324,11 @@ def studies(_: Objects, __: Path) -> Objects:
         "gradient": jo.design.gradient(made, outcomes="min(place.y)"),
         "outcome": jo.design.read_outcome("min(place.y)"),
         "case": cases[0],
+        "values": (weighed := jo.design.Values({"mass": (2.1, 0.1)})),
+        "experiment": jo.design.Experiment(
+            jo.gauges.Record([0.0, 0.1], {"y": [0.0, 0.1]}, {"y": "m"}, "record")
+        ),
+        "identified": jo.design.identify(turn, jo.Parameter("mass", 2.0, unit="kg"), weighed),
     }
 
 

@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
+from jousto.base.object_repr import described
 from jousto.design.identification.unknowns import Unknown
 from jousto.design.identification.unseen import Unseen, find_unseen
 from jousto.design.identification.whiteness import autocovariance, autoregression
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Certainty:
     """Covariance of the coordinates u at the minimum.
@@ -46,6 +48,9 @@ class Certainty:
     unseen: tuple[Unseen, ...]
     seen: NDArray[np.bool_]
     information: Array
+
+    def _facts(self) -> str:
+        return f"{int(self.seen.sum())} of {len(self.seen)} unknowns are seen"
 
 
 def certainty(

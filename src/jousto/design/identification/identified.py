@@ -36,6 +36,7 @@ WHITE = 1e-3
 """Probability of the residuals below which the model or the noise is not as assumed."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Fit:
     """One channel against its sensor at the found values.
@@ -64,6 +65,9 @@ class Fit:
     sd: Array
     test: Whiteness
     outside: int
+
+    def _facts(self) -> str:
+        return f"{self.channel}, rms {self.test.rms:.3g} sd"
 
 
 @described
@@ -115,7 +119,7 @@ class Identified:
     jacobians: int
     seconds: float
     loss: str
-    residuals: Residuals
+    _residuals: Residuals
 
     # ---- values -------------------------------------------------------------------------------
 
@@ -309,13 +313,13 @@ class Identified:
     @property
     def _base(self) -> float:
         """``F`` at the found values."""
-        return loss_at(self.residuals, self.u, self.loss)
+        return loss_at(self._residuals, self.u, self.loss)
 
     def _fixed(self, k: int, value: float, start: Array) -> float:
         """Return the least F over the other unknowns for a fixed coordinate."""
-        fixed: Any = Fixed(self.residuals, k, value)
+        fixed: Any = Fixed(self._residuals, k, value)
         if not len(start):
-            return loss_at(self.residuals, np.array([value]), self.loss)
+            return loss_at(self._residuals, np.array([value]), self.loss)
         return search(fixed, start, self.loss).F
 
     # ---- print --------------------------------------------------------------------------------

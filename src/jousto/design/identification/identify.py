@@ -111,7 +111,7 @@ def identify(
     >>> def oscillator(mass, stiffness):
     ...     block = jo.RigidBody("block", mass, (1.0, 1.0, 1.0))
     ...     slide = jo.Prismatic("slide", jo.ground["origin"], block["origin"], axis=(1, 0, 0))
-    ...     coil = jo.Spring("coil", slide.displacement, stiffness, free_length=0.1)
+    ...     coil = jo.Spring("coil", slide.displacement, stiffness, free=0.1)
     ...     return jo.Mechanism(block, slide, coil, jo.CoordinateSensor("x", slide.displacement))
     >>> t = np.linspace(0.0, 2.0, 101)
     >>> x = 0.1 * (1.0 - np.cos(np.sqrt(50.0 / 2.0) * t))
@@ -121,7 +121,7 @@ def identify(
     >>> stiffness = jo.Parameter("stiffness", 40.0, unit="N/m")
     >>> found = identify(lambda stiffness: oscillator(2.0, stiffness), stiffness, experiment)
     >>> round(found["stiffness"], 2), np.round(found.interval("stiffness"), 2)
-    (50.0, array([49.98, 50.01]))
+    (50.0, array([50.  , 50.01]))
     """
     begun = clock.perf_counter()
     residuals, checks, estimated = _set_up(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.errors import Problems, warn
+from jousto.base.object_repr import described
 from jousto.design.studies.parameters.parameter import Parameter
 
 MASS = 1
@@ -17,6 +18,7 @@ INSIDE = 1e-2
 """Share of the range by which a start value on a bound is moved inside."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Unknown:
     """A sought number, theta, by the coordinate u of the search: ``theta = exp(u)`` or ``u``.
@@ -35,6 +37,9 @@ class Unknown:
     parameter: Parameter
     log: bool
     start: float
+
+    def _facts(self) -> str:
+        return f"from {self.start:.6g}{', by its logarithm' if self.log else ''}"
 
     @property
     def name(self) -> str:

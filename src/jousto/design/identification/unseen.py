@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from jousto.base.arrays import Array
+from jousto.base.object_repr import described
 from jousto.design.identification.unknowns import Unknown
 
 WHOLE = 2e-2
@@ -17,6 +18,7 @@ LARGEST = 6
 """Largest number of unknowns in one combination that is looked for."""
 
 
+@described
 @dataclass(frozen=True)
 class Unseen:
     """One combination of unknowns that the measurement does not show.
@@ -34,6 +36,9 @@ class Unseen:
     names: tuple[str, ...]
     change: tuple[float, ...]
     text: str
+
+    def _facts(self) -> str:
+        return self.text
 
 
 def find_unseen(

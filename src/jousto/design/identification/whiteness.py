@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.arrays import Array
+from jousto.base.object_repr import described
 
 ORDERS = 40
 """Largest order of the autoregression of residuals."""
@@ -75,6 +76,7 @@ def autocovariance(coefficients: Array, variance: float, n: int) -> Array:
     return found
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Whiteness:
     """Test of the residuals of a comparison.
@@ -100,6 +102,9 @@ class Whiteness:
     Q: float
     p: float
     outside: float
+
+    def _facts(self) -> str:
+        return f"rms {self.rms:.3g} sd, Ljung-Box p {self.p:.2g}"
 
 
 def whiteness(r: Array, y: Array, sd: Array, unknowns: float) -> Whiteness:
