@@ -152,19 +152,23 @@ static void leave_out(area *t, int i)
     for (; i < t->count; i++) t->at[i] = t->at[i + 1];
 }
 
-/* whether a corner is a crossing of edges that press in another direction than the face: it touches only where they overlap deeply */
+/* Whether a corner is a crossing of edges that press in another direction than the face, where these touch only if they overlap deeply: at an
+ * angle to its normal, or, edges on the far side of a polytope, against it (by the rule of contact/feature.c). */
 static int is_steep(const area *t, const cut *x)
 {
-    double p[3], q[3], u[3], v[3], n[3];
+    double own[2][3], other[2][3], centre[2][3], u[3], v[3], n[3], out[3];
     if (x->kind != CROSSING) return 0;
-    ends(t, x->side, p, q);
-    jo_minus3d(u, q, p);
-    jo_polytope_vertex(t->other, x->of[0], p);
-    jo_polytope_vertex(t->other, x->of[1], q);
-    jo_minus3d(v, q, p);
+    ends(t, x->side, own[0], own[1]);
+    for (int i = 0; i < 2; i++) jo_polytope_vertex(t->other, x->of[i], other[i]);
+    jo_polytope_vertex(t->own, -1, centre[0]);
+    jo_polytope_vertex(t->other, -1, centre[1]);
+    jo_minus3d(u, own[1], own[0]);
+    jo_minus3d(v, other[1], other[0]);
     jo_cross3d(n, u, v);
     jo_unit3d(n);
-    return !(fabs(jo_dot3d(n, t->normal)) > JO_NEARLY_FLAT);
+    for (int i = 0; i < 3; i++) out[i] = own[0][i] - centre[0][i] - other[0][i] + centre[1][i];
+    const double along = jo_dot3d(n, t->normal);
+    return !(fabs(along) > JO_NEARLY_FLAT) || jo_dot3d(n, out) * along < 0.0;
 }
 
 /* one of several corners at a place, none within a side, and the most marked ones if they are too many */

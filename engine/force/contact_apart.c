@@ -3,58 +3,97 @@
  * A plane through the closest place of a, with its normal n, has a, or the part of a surface that is near, below it and each vertex x_i of b above it by gap + o_i. The vertex rises with
  * c_i = n . (v + w x x_i) and, as its lever turns, differs from that by at most |w|^2 |x| t: after t <= h all vertices are above it by
  *   gap + min (o_i + c_i t) - |w|^2 |x| t^2 >= gap + t (min (o_i / h + c_i) - |w|^2 |x| h),
- * since the minimum is a concave function of t. Backwards from the end of a step the signs of c_i are the others. */
+ * since the minimum is a concave function of t. Backwards from the end of a step the signs of c_i are the others.
+ *
+ * The same holds for a plane that b carries along, with the vertices y_j of a below it: c_j = n . (v + w x x_j), with levers x_j = y_j - r from the
+ * origin of b. As the plane turns and this origin moves, it differs from that by at most |w| (2 |v| + |w| |x|) t. Both bounds hold, so the
+ * higher one does: where an edge of a is over a face of b, vertices of the face approach a plane of a although the gap opens. */
 #include "contact/contact.h"
 #include "force/contact_pair.h"
 
 #define JO_ROUND_OFF 1e-15   /* of a coordinate, over the size of the machine about it */
+#define JO_FARTHEST 2.0      /* lever of a vertex of a over the longest one of b up to which planes that b carries along are looked at */
+#define JO_MORE_REACH 1.05   /* reach over the longest lever of a, which changes within a step */
+#define JO_FAR 2.0           /* gap over the way that vertices turn within a step from which on these are not looked at */
 
-double jo_pair_reach(const jo_contact_pair_pose *p)
+/* largest distance of a vertex of b from its origin, m */
+static double reach_of_b(const jo_contact_pair_pose *p)
 {
     double most = 0.0;
     for (int i = 0; i < p->b.vertices; i++) most = fmax(most, jo_length(p->b.vertex + 3 * i, 3));
     return most;
 }
 
-static double along(const double *n, const jo_real *x) { return n[0] * JO_RE(x[0]) + n[1] * JO_RE(x[1]) + n[2] * JO_RE(x[2]); }
-
-/* height of a vertex of b over its origin, and its lever in frame a */
-static double height(const jo_contact_pair_pose *p, const double *n, int i, jo_real *lever)
+static void lever_of_a(const jo_contact_pair_pose *p, int i, jo_real *lever)
 {
-    jo_mul3(lever, p->R, p->b.vertex + 3 * i);
-    return along(n, lever);
+    for (int k = 0; k < 3; k++) lever[k] = p->a.vertex[3 * i + k] - p->r[k];
 }
 
-/* lowest and highest rate of a vertex of b */
-static void rates(const jo_contact_pair_pose *p, const double *n, jo_approach *to)
+/* the same of a vertex of a from the origin of b; INFINITY for a surface or a half-space */
+static double reach_of_a(const jo_contact_pair_pose *p)
 {
-    jo_real lever[3], v[3];
-    const double h = to->within, spin = jo_length(p->w, 3), turning = spin * jo_pair_reach(p);
-    double least = INFINITY, low = INFINITY, high = -INFINITY;
-    to->rate = along(n, p->v);
-    to->highest = to->rate + turning;
-    if (!(h < INFINITY) || !(turning > 0.0)) {
-        to->rate -= turning;
-        return;
+    jo_real lever[3];
+    double most = 0.0;
+    if (p->mesh.triangles || !p->a.vertices) return INFINITY;
+    for (int i = 0; i < p->a.vertices; i++) {
+        lever_of_a(p, i, lever);
+        most = fmax(most, jo_length(lever, 3));
     }
-    for (int i = 0; i < p->b.vertices; i++) least = fmin(least, height(p, n, i, lever));
-    for (int i = 0; i < p->b.vertices; i++) {
-        const double above = (height(p, n, i, lever) - least) / h;
+    return most;
+}
+
+double jo_pair_reach(const jo_contact_pair_pose *p)
+{
+    const double b = reach_of_b(p), a = JO_MORE_REACH * reach_of_a(p);
+    return a > b && a < JO_FARTHEST * b ? a : b;
+}
+
+static double along(const double *n, const jo_real *x) { return n[0] * JO_RE(x[0]) + n[1] * JO_RE(x[1]) + n[2] * JO_RE(x[2]); }
+
+/* lever of a vertex of b, or of a, in frame a; returns its height over the plane of the other polytope, but for a constant */
+static double height(const jo_contact_pair_pose *p, int of_a, const double *n, int i, jo_real *lever)
+{
+    if (of_a) lever_of_a(p, i, lever);
+    else jo_mul3(lever, p->R, p->b.vertex + 3 * i);
+    return (of_a ? -1.0 : 1.0) * along(n, lever);
+}
+
+/* lowest and highest rate of the vertices of one of them; bent: by how much the rate of a vertex may change per unit of time, m/s2 */
+static void rates_of_vertices(const jo_contact_pair_pose *p, int of_a, const double *n, double bent, jo_approach *to)
+{
+    const int count = of_a ? p->a.vertices : p->b.vertices;
+    const double h = to->within, rate_of_origin = along(n, p->v);
+    double least = INFINITY, low = INFINITY, high = -INFINITY;
+    jo_real lever[3], v[3];
+    for (int i = 0; i < count; i++) least = fmin(least, height(p, of_a, n, i, lever));
+    for (int i = 0; i < count; i++) {
+        const double above = (height(p, of_a, n, i, lever) - least) / h;
         jo_cross(v, p->w, lever);
-        const double rate = to->rate + along(n, v);
+        const double rate = rate_of_origin + along(n, v);
         low = fmin(low, rate + above);
         high = fmax(high, rate - above);
     }
-    to->highest = high + spin * turning * h;
-    to->rate = low - spin * turning * h;
+    to->rate = fmax(to->rate, low - bent * h);
+    to->highest = fmin(to->highest, high + bent * h);
+}
+
+/* lowest and highest rate of the gap */
+static void rates(const jo_contact_pair_pose *p, const double *n, double reach, jo_approach *to)
+{
+    const double h = to->within, spin = jo_length(p->w, 3), turning = spin * reach_of_b(p), rate_of_origin = along(n, p->v);
+    to->rate = rate_of_origin - turning;
+    to->highest = rate_of_origin + turning;
+    if (!(h < INFINITY) || !(turning > 0.0) || to->gap > JO_FAR * h * (fabs(rate_of_origin) + turning)) return;
+    rates_of_vertices(p, 0, n, spin * turning, to);
+    if (reach_of_a(p) <= reach) rates_of_vertices(p, 1, n, spin * (2.0 * jo_length(p->v, 3) + spin * reach), to);
 }
 
 /* a depth that the coordinates do not show is none */
-double jo_pair_round_off(const jo_contact_pair_pose *p) { return JO_ROUND_OFF * (jo_length(p->r, 3) + jo_pair_reach(p)); }
+double jo_pair_round_off(const jo_contact_pair_pose *p) { return JO_ROUND_OFF * (jo_length(p->r, 3) + reach_of_b(p)); }
 
-void jo_pair_approach_speeds(const jo_contact_pair_pose *p, jo_approach *to)
+void jo_pair_approach_speeds(const jo_contact_pair_pose *p, double reach, jo_approach *to)
 {
-    const double reach = jo_pair_reach(p), turning = jo_length(p->w, 3) * reach, speed = jo_length(p->v, 3);
+    const double turning = jo_length(p->w, 3) * reach, speed = jo_length(p->v, 3);
     for (int i = 0; i < 3; i++) {
         to->v[i] = (speed > 0.0 ? 1.0 + turning / speed : 0.0) * JO_RE(p->v[i]);
         to->spin[i] = reach * JO_RE(p->w[i]);
@@ -62,18 +101,18 @@ void jo_pair_approach_speeds(const jo_contact_pair_pose *p, jo_approach *to)
     if (!(speed > 0.0)) to->v[0] = turning;
 }
 
-void jo_pair_approach_along(const jo_contact_pair_pose *p, const double *n, jo_approach *to)
+void jo_pair_approach_along(const jo_contact_pair_pose *p, const double *n, double reach, jo_approach *to)
 {
-    jo_pair_approach_speeds(p, to);
+    jo_pair_approach_speeds(p, reach, to);
     to->gap += jo_pair_round_off(p);
-    rates(p, n, to);
+    rates(p, n, reach, to);
 }
 
-void jo_pair_approach_apart(const jo_contact_pair_pose *p, const jo_separated *s, double gap, jo_approach *to)
+void jo_pair_approach_apart(const jo_contact_pair_pose *p, const jo_separated *s, double gap, double reach, jo_approach *to)
 {
     to->gap = gap;
     to->face = 0;
     to->curvature = INFINITY;
     to->convex = 1;   /* of the displacement of one of them */
-    jo_pair_approach_along(p, s->normal, to);
+    jo_pair_approach_along(p, s->normal, reach, to);
 }

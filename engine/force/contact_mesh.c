@@ -37,7 +37,7 @@ double jo_pair_further_gap(const jo_force *f, jo_contact_pair_pose *p, const jo_
     return jo_mesh_unlisted(&p->mesh, &p->b, jo_pair_radii(p), code, count);
 }
 
-int jo_pair_approach_mesh(const jo_force *f, jo_contact_pair_pose *p, const jo_real *state, jo_approach *to)
+int jo_pair_approach_mesh(const jo_force *f, jo_contact_pair_pose *p, const jo_real *state, double reach, jo_approach *to)
 {
     double code[JO_MESH_POINTS];
     int of[JO_MESH_POINTS];
@@ -49,7 +49,7 @@ int jo_pair_approach_mesh(const jo_force *f, jo_contact_pair_pose *p, const jo_r
     to->gap = y.gap;
     to->clear = y.clear;
     to->face = y.part;
-    jo_pair_approach_along(p, y.normal, to);
+    jo_pair_approach_along(p, y.normal, reach, to);
     to->curvature = y.curvature;
     return 1;
 }

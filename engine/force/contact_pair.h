@@ -21,16 +21,18 @@ static inline int jo_pair_touches(const jo_real *state) { return jo_pair_is_list
 static inline double jo_pair_radii(const jo_contact_pair_pose *p) { return JO_RE(p->a.radius + p->b.radius); }
 
 /* contact_apart.c */
-double jo_pair_reach(const jo_contact_pair_pose *p);   /* largest distance of a vertex of b from its origin, m */
+/* largest distance of a vertex of b from its origin, or of one of a from there if that is similar, m: how far turns are taken into account */
+double jo_pair_reach(const jo_contact_pair_pose *p);
 double jo_pair_round_off(const jo_contact_pair_pose *p);   /* of the gap, m */
-void jo_pair_approach_speeds(const jo_contact_pair_pose *p, jo_approach *to);   /* velocities that no point of b exceeds */
-void jo_pair_approach_along(const jo_contact_pair_pose *p, const double *n, jo_approach *to);   /* and rates above a plane with the normal n */
-void jo_pair_approach_apart(const jo_contact_pair_pose *p, const jo_separated *s, double gap, jo_approach *to);   /* of two polytopes */
+void jo_pair_approach_speeds(const jo_contact_pair_pose *p, double reach, jo_approach *to);   /* velocities that no point within reach exceeds */
+/* and rates above a plane with the normal n */
+void jo_pair_approach_along(const jo_contact_pair_pose *p, const double *n, double reach, jo_approach *to);
+void jo_pair_approach_apart(const jo_contact_pair_pose *p, const jo_separated *s, double gap, double reach, jo_approach *to);   /* of two polytopes */
 
 /* contact_mesh.c */
 /* the points on a surface of triangles with the states that continue those in `state` */
 void jo_pair_list_on_mesh(const jo_force *f, jo_contact_pair_pose *p, const jo_real *state, jo_real *next);
 double jo_pair_further_gap(const jo_force *f, jo_contact_pair_pose *p, const jo_real *state);   /* of points that are not listed */
-int jo_pair_approach_mesh(const jo_force *f, jo_contact_pair_pose *p, const jo_real *state, jo_approach *to);   /* of what does not touch yet */
+int jo_pair_approach_mesh(const jo_force *f, jo_contact_pair_pose *p, const jo_real *state, double reach, jo_approach *to);   /* of what does not touch yet */
 
 #endif

@@ -139,8 +139,8 @@ jo_real jo_contact_update(const jo_contact_law *x, int waits, jo_real time, jo_c
     const int phase = jo_contact_phase(state), overlaps = JO_RE(y->depth) > 0.0;
     const jo_real before = jo_contact_energy(phase, y);
     const int bounces = jo_contact_may_strike(x) && (waits || fabs(JO_RE(y->rate)) > JO_RE(x->slowest));   /* by an impulse */
-    if (phase == JO_CONTACT_APART && bounces) {
-        /* stays apart */
+    if (phase == JO_CONTACT_APART && bounces) {   /* stays apart */
+        state[JO_CONTACT_PHASE] = jo_same(overlaps && JO_RE(y->rate) < 0.0 ? JO_CONTACT_OPENS : JO_CONTACT_APART);
     } else if (phase == JO_CONTACT_APART && overlaps) {
         state[JO_CONTACT_SPEED] = x->slowest;
         touch(x, time, y, state);
@@ -157,9 +157,9 @@ jo_real jo_contact_update(const jo_contact_law *x, int waits, jo_real time, jo_c
 jo_real jo_contact_margin(const jo_contact_law *x, const jo_real *state, const jo_contact_point *y)
 {
     const int phase = jo_contact_phase(state);
-    if (phase == JO_CONTACT_APART) return -y->depth;
+    if (phase == JO_CONTACT_APART) return jo_contact_opens(state) && JO_RE(y->rate) < 0.0 ? jo_size(y->depth) : -y->depth;
     jo_real left = y->depth;
-    if (phase == JO_CONTACT_STICKS && breaks(x, y)) {
+    if (phase == JO_CONTACT_STICKS && JO_RE(y->shear) > 0.0 && (breaks(x, y) || JO_RE(y->size) < JO_RE(x->mu_static * y->N))) {
         const jo_real beyond = (x->mu_static * y->N - y->size) / y->shear;
         if (JO_RE(beyond) < JO_RE(left)) left = beyond;
     }

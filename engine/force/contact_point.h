@@ -7,7 +7,8 @@
 
 /* States of a point: phase, speed of approach v_in at the touch, m/s, time of the touch, s, stretch s of the bristle, m. */
 enum { JO_CONTACT_PHASE, JO_CONTACT_SPEED, JO_CONTACT_SINCE, JO_CONTACT_STRETCH, JO_CONTACT_STATES = JO_CONTACT_STRETCH + 3 };
-enum { JO_CONTACT_APART, JO_CONTACT_STICKS, JO_CONTACT_SLIPS, JO_CONTACT_EASED };
+/* opens: apart after an impulse that came when it overlapped, by the resolution of an instant, and not yet open */
+enum { JO_CONTACT_APART, JO_CONTACT_STICKS, JO_CONTACT_SLIPS, JO_CONTACT_EASED, JO_CONTACT_OPENS };
 
 #define JO_CONTACT_STABLE 0.5   /* step of an explicit method times the rate of a contact */
 
@@ -42,7 +43,8 @@ static inline jo_real jo_length3(const jo_real *x)
 }
 
 static inline const jo_contact_law *jo_contact_law_of(const jo_force *f) { return (const jo_contact_law *)f->data; }
-static inline int jo_contact_phase(const jo_real *state) { return (int)JO_RE(state[JO_CONTACT_PHASE]); }
+static inline int jo_contact_opens(const jo_real *state) { return (int)JO_RE(state[JO_CONTACT_PHASE]) == JO_CONTACT_OPENS; }
+static inline int jo_contact_phase(const jo_real *state) { return jo_contact_opens(state) ? JO_CONTACT_APART : (int)JO_RE(state[JO_CONTACT_PHASE]); }
 static inline int jo_contact_follows(int phase) { return phase == JO_CONTACT_STICKS || phase == JO_CONTACT_EASED; }   /* whether the bristle moves within a step */
 
 /* Smallest and largest components of the velocity v of the point of jo_approach in the stages of a step so far, of an open gap with this first

@@ -11,13 +11,13 @@ typedef struct { jo_real value, rate, second; } jo_signal_work;
 typedef struct jo_slopes_of_state { jo_real force, decay, value, rate; } jo_slopes_of_state;
 static inline const jo_slopes_of_state *jo_force_slopes(const jo_data *d, int state) { return d->forces.slopes + state; }
 
-/* How a gap may close within a step of length `within`, s, that is given, or a shorter one: gap, m, its rate and the highest one if points of a
+/* How a gap may close within a step of length `within`, s, or a shorter one, at its start or, `at_end`, its end; these are given: gap, m, its rate and the highest one if points of a
  * body that turns have several, m/s, velocity of the point whose distance it is, m/s, the largest curvature of the surfaces of constant
  * distance, 1/m, and the face over which the point is: on the way from one face to another the distance is not smooth.
  * spin: angular velocity times the distance of the farthest point, m/s. convex: whether the distance is a convex function of the place.
  * seen: first state of the force, for jo_see_speed. clear: gap of everything beside this face, m. What a kind does not set is the rate, 0 or
  * INFINITY. */
-typedef struct jo_approach { double within, gap, rate, highest, v[3], spin[3], curvature, clear; int face, convex, seen; } jo_approach;
+typedef struct jo_approach { double within, gap, rate, highest, v[3], spin[3], curvature, clear; int at_end, face, convex, seen; } jo_approach;
 static inline double jo_approach_speed(const jo_approach *y) { return sqrt(y->v[0] * y->v[0] + y->v[1] * y->v[1] + y->v[2] * y->v[2]); }
 
 enum { JO_MAX_TOUCHES = 8 };    /* points of a force */
@@ -111,7 +111,7 @@ int jo_follow_jumps(const jo_model *m, jo_data *d);   /* second updates; whether
 void jo_force_state(const jo_model *m, const jo_data *d, int force, int state, jo_real *y);   /* one state at present */
 jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k);   /* of force d->forces.yielding[k] */
 int jo_yielding_ready(const jo_model *m, jo_data *d);   /* coordinates of the forces that yield, at the present state */
-int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, double within, jo_approach *y);   /* of force d->forces.yielding[k] */
+int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, jo_approach *y);   /* of force d->forces.yielding[k] */
 int jo_ease_yielding(const jo_model *m, jo_data *d);   /* at the start of a step that did not converge; whether any state has changed */
 double jo_yielding_longest_step(const jo_model *m, const jo_data *d, int explicit_method);   /* of all of them, s; INFINITY: any */
 jo_real jo_yielding_loss(const jo_model *m, const jo_data *d);   /* dissipated since the start of the step, but for contacts, J */

@@ -17,7 +17,7 @@
 #include "contact/contact.h"
 #include "force/contact_pair.h"
 
-enum { REACH = 6 };     /* place of the largest distance of a vertex of b from its origin in jo_seen_speeds, beside the velocities */
+enum { REACH = 6 };     /* place of jo_pair_reach in jo_seen_speeds, beside the velocities */
 #define JO_SAME_WEIGHT 1e-9     /* change of a weight that is round-off */
 
 typedef jo_contact_pair_pose pair;
@@ -398,12 +398,13 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
     read_motion(m, d, f, &p);
     to->seen = f->state;
     to->convex = 0;
-    jo_seen_speeds(d, f->state)[REACH] = jo_pair_reach(&p);
-    if (p.mesh.triangles) return jo_pair_approach_mesh(f, &p, state, to);
+    double *reach = &jo_seen_speeds(d, f->state)[REACH];   /* the same in the stages and at the end */
+    if (!to->at_end) *reach = jo_pair_reach(&p);
+    if (p.mesh.triangles) return jo_pair_approach_mesh(f, &p, state, *reach, to);
     if (!any_listed(f, state)) {
         jo_separated s;
         const double gap = separate(&p, state, &s);
-        jo_pair_approach_apart(&p, &s, gap, to);
+        jo_pair_approach_apart(&p, &s, gap, *reach, to);
         return 1;
     }
     to->gap = INFINITY;
@@ -417,7 +418,7 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
         nearest = t.feature;
     }
     if (!(to->gap < INFINITY)) return 0;
-    jo_pair_approach_speeds(&p, to);
+    jo_pair_approach_speeds(&p, *reach, to);
     to->curvature = bending(&p, &nearest, to);
     to->gap = fmax(to->gap, 0.0) + jo_pair_round_off(&p);   /* one that an impulse has opened again is below 0 by the resolution of its instant */
     return 1;

@@ -28,11 +28,10 @@ jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k)
     return jo_released(d, f->release) ? jo_same(1.0) : jo_yielding_of(f)->margin(m, d, f);
 }
 
-int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, double within, jo_approach *y)
+int jo_yielding_approach(const jo_model *m, const jo_data *d, int k, jo_approach *y)
 {
     const jo_force *f = &m->force[d->forces.yielding[k]];
     const jo_yielding *kind = jo_yielding_of(f);
-    y->within = within;
     y->clear = INFINITY;
     y->highest = -INFINITY;
     for (int i = 0; i < 3; i++) y->spin[i] = 0.0;

@@ -49,14 +49,14 @@ static void restore_state(jo_data *d)
 
 /* -- location in time ------------------------------------------------------------------------- */
 
-/* earliest crossing between a and b by linear interpolation of the weighted values (regula falsi) */
+/* earliest crossing between a and b by linear interpolation of the weighted values (regula falsi); a, if a value is beyond its threshold there */
 static double estimate_crossing(const jo_model *m, const jo_data *d, double a, double b, double wa, double wb)
 {
     double first = b;
     for (int i = 0; i < jo_watched(m); i++) {
         if (!jo_crosses(m, d, i, d->events.above[i])) continue;
         const double ga = wa * d->events.side[i] * d->events.below[i], gb = wb * fabs(d->events.above[i]);
-        const double x = ga > 0.0 ? a + (b - a) * (ga / (ga + gb)) : 0.5 * (a + b);
+        const double x = ga > 0.0 ? a + (b - a) * (ga / (ga + gb)) : ga < 0.0 ? a : 0.5 * (a + b);
         if (x < first) first = x;
     }
     return first;

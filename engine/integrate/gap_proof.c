@@ -11,7 +11,9 @@ void jo_measure_gaps(const jo_model *m, jo_data *d, int at_end, double h)
 {
     for (int k = 0; k < m->nyielding; k++) {
         jo_approach *y = d->events.near + 2 * k + at_end;
-        if (!jo_yielding_approach(m, d, k, h, y)) y->gap = INFINITY;
+        y->within = h;
+        y->at_end = at_end;
+        if (!jo_yielding_approach(m, d, k, y)) y->gap = INFINITY;
     }
     if (!at_end) jo_forget_speeds(m, d);
 }

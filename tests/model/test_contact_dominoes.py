@@ -101,3 +101,19 @@ def test_forces_of_short_steps_are_in_the_record():
         assert 0 <= one.force < 10
         assert 0 <= one.impulse < 2 * MASS * G * 0.03 + 1e-3
         assert one.lost_friction > -1e-9
+
+
+@pytest.mark.parametrize("resolve", ["impulse", "cut"])
+def test_a_row_of_dominoes_takes_bounded_work(resolve):
+    """Evaluations of three dominoes, several edges of which open, strike and stick at a time.
+
+    An edge over the face of the next domino opens slowly while vertices of that face fall below the
+    plane of the edge: with the bound of this plane alone the steps took 257 000 evaluations, and 24
+    of them were not proven. Margins that jump where a bristle breaks took 143 000 with `cut`.
+    """
+    bodies = [domino(i) for i in range(3)]
+    run = jo.simulate(
+        row(bodies, as_set(bodies, 0.1, resolve=resolve), 0.1), 0.1, solver=jo.ROS2(1e-3)
+    )
+    assert run.attributes["contacts"] == "missed: 0 (proven)"
+    assert run.work.evaluations[-1] < 60_000

@@ -35,7 +35,7 @@ SOLVERS = [
     jo.RK4(1e-3),
     jo.simulation.SSPRK3(1e-3),
     jo.GeneralizedAlpha(1e-3),
-    jo.simulation.DormandPrince(tolerance=1e-11),
+    jo.simulation.DormandPrince(tolerance=1e-12),
 ]
 FLOOR = CollisionShape("floor", jo.ground["origin"], HalfSpace())
 
