@@ -214,6 +214,16 @@ def _machines(made: Made, folder: Path) -> list[Call]:
                 "law": jo.mechanism.PowerLaw(1e6),
             },
         ),
+        (
+            jo.mechanism.SkinContact,
+            {
+                "name": "f",
+                "a": jo.ground["origin"],
+                "shape": jo.mechanism.HalfSpace(),
+                "body": arm,
+                "law": jo.mechanism.PowerLaw(1e6),
+            },
+        ),
         (jo.Servo, {"name": "f", "coordinate": angle, "reference": one, "kp": 1.0}),
         (jo.UserForce, {"name": "f", "marker": b, "function": lambda t, x: [0.0] * 6}),
         (jo.mechanism.ModalLoad, {"name": "f", "body": arm, "pattern": np.zeros((5, 3))}),

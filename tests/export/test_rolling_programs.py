@@ -76,3 +76,23 @@ def test_a_program_steers_a_wheelset(tmp_path: Path) -> None:
     want = expected(model, jo.simulate(model, 0.2, solver=solver, output_step=0.02))
     assert np.abs(found - want).max() < 1e-9
     assert np.ptp(want[:, 2]) > 1e-3
+
+
+@pytest.mark.filterwarnings("ignore::jousto.JoustoWarning")
+def test_a_program_lets_a_beam_fall_on_its_skin(tmp_path: Path) -> None:
+    """A modal beam falls on a ball: its nodes touch, slip and bend it."""
+    steel = jo.Material(E=210e9, nu=0.3, rho=7850)
+    reduced = jo.reduce(jo.Part.beam(1.0, jo.Rectangle(0.03, 0.01), 6, steel), jo.FreeFree(modes=3))
+    beam = jo.FlexibleBody("beam", reduced, position=(0, 0, 0.012))
+    ball, law = jo.mechanism.Sphere(1.0), PowerLaw(1e7, 1.0)
+    touch = jo.mechanism.SkinContact(
+        *("touch", jo.ground.at((0.45, 0, -1)), ball, beam, law), radius=0.005, mu_kinetic=0.3
+    )
+    items = (beam, touch, jo.PositionSensor("p", beam["node1"]), jo.Gravity((0, 0, -9.81)))
+    model = jo.compile(jo.Mechanism(*items))
+    solver = jo.RK4(step=1e-4)
+    found = rows_of(model, solver, tmp_path, "0.1", "10")
+    run = jo.simulate(model, 0.1, solver=solver, output_step=0.01)
+    want = expected(model, run)
+    assert len(run.contacts) >= 2
+    assert np.abs(found - want).max() < 1e-9

@@ -123,6 +123,10 @@ def everything() -> jo.Mechanism:
             *("trolley", (arm["start"], arm["end"]), slider["tip"], jo.mechanism.PowerLaw(1e6)),
             up=(0, 0, -1),
         ),
+        jo.mechanism.SkinContact(
+            *("bed", jo.ground.at((0, 4, -5)), jo.mechanism.HalfSpace(), rope),
+            jo.mechanism.PowerLaw(1e6),
+        ),
         jo.mechanism.Slider("runner", (arm["start"], arm["end"]), slider["tip"], 1e5),
         jo.mechanism.Tyre(
             *("tyre", jo.ground.at((0, 0, -50.0)), wheel["origin"], 0.3),

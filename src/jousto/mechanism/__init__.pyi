@@ -43,6 +43,7 @@ from .forces.line_load import LineLoad as LineLoad
 from .forces.moving import MovingLoad as MovingLoad
 from .forces.pid import PID as PID, SpeedPID as SpeedPID
 from .forces.plastic import PlasticSpring as PlasticSpring
+from .forces.skin_contact import SkinContact as SkinContact
 from .forces.slider import Slider as Slider
 from .forces.springs import ModalLoad as ModalLoad
 from .forces.stop import Stop as Stop

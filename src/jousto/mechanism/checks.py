@@ -571,9 +571,10 @@ def warn_unconnected(mechanism: Members) -> None:
     elements = (x for x in mechanism.forces if x.ties)
     connections = (*mechanism.joints, *mechanism.couplings, *elements, *mechanism.blocks)
     joined = {id(marker.body) for item in connections for _, marker in markers_of(item)}
+    joined |= {id(getattr(item, "body", None)) for item in connections}
     for body in whole_bodies(mechanism):
         parts = body.bodies if isinstance(body, BeamBody) else (body,)
-        if not any(id(part) in joined for part in parts):
+        if not any(id(part) in joined for part in (body, *parts)):
             warn(where(body), "has no joint to another body, so it moves freely")
 
 

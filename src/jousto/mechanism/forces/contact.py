@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import gamma, hypot, inf, pi, sqrt
 from typing import Any
 
@@ -290,29 +291,13 @@ class Contact(ForceElement, tag="contact"):
     def _numbers(self, reach: float) -> dict[str, float]:
         """Numbers of the law for a point of b at a distance `reach` from its marker, m."""
         a, on, b, _ = self._sides
-        law = NUMBERS | self.law.numbers(self._curvature)
         mass = 1.0 / (mobility(a, _reach(on)) + mobility(b, reach))
-        return law | {
-            "mu_static": self.mu_static,
-            "mu_kinetic": self.mu_kinetic,
-            "shear": self.shear if self.mu_static and self.friction is None else 0.0,
-            "velocity": 0.0 if self.friction is None else self.friction.velocity,
-            "resolve": RESOLVE.index(self.resolve),
-            "restitution": getattr(self.law, "restitution", 0.0),
-            "mass": mass,
-            "duration": duration(mass, law["stiffness"], law["exponent"]),
-        }
+        return touch_numbers(self, NUMBERS | self.law.numbers(self._curvature), mass)
 
     def _push(self, tip: Tip) -> Push:
         a, on, b, _ = self._sides
         data: dict[str, Any] = {
-            "shape": on.code,
-            "size": ((*on.size, 0.0, 0.0, 0.0))[:3],
-            "centre": tip.centre,
-            "radius": tip.radius,
-            "ring": tip.ring,
-            "around": tip.place,
-            "axes": tip.axes or (0.0, 0.0, 0.0),
+            **tip_numbers(on, tip),
             "rolling": self.rolling,
             "drilling": self.drilling,
             "inertia": 1.0 / (angular_mobility(a) + angular_mobility(b)),
@@ -354,6 +339,44 @@ class Contact(ForceElement, tag="contact"):
         """Size of the smaller shape, m; 0 if both have no end."""
         sizes = (self.shape_a.size_about, self.shape_b.size_about)
         return min((x for x in sizes if 0.0 < x < inf), default=0.0)
+
+
+def touch_numbers(force: Any, law: Mapping[str, float], mass: float) -> dict[str, float]:
+    """Return the numbers of the law of a touch, of its friction and of how it is resolved.
+
+    Parameters
+    ----------
+    force : Contact or SkinContact
+        Has coefficients of friction and a law.
+    law : mapping of str to float
+        Numbers of the normal force.
+    mass : float
+        Smallest mass in play, kg.
+    """
+    return {
+        **law,
+        "mu_static": force.mu_static,
+        "mu_kinetic": force.mu_kinetic,
+        "shear": force.shear if force.mu_static and force.friction is None else 0.0,
+        "velocity": 0.0 if force.friction is None else force.friction.velocity,
+        "resolve": RESOLVE.index(force.resolve),
+        "restitution": getattr(force.law, "restitution", 0.0),
+        "mass": mass,
+        "duration": duration(mass, law["stiffness"], law["exponent"]),
+    }
+
+
+def tip_numbers(on: Shape, tip: Tip) -> dict[str, Any]:
+    """Return the numbers of a shape that is touched, and of the tip that touches it."""
+    return {
+        "shape": on.code,
+        "size": (*on.size, 0.0, 0.0, 0.0)[:3],
+        "centre": tip.centre,
+        "radius": tip.radius,
+        "ring": tip.ring,
+        "around": tip.place,
+        "axes": tip.axes or (0.0, 0.0, 0.0),
+    }
 
 
 def check_restitution(problems: Problems, where: str, law: Any) -> None:
