@@ -73,14 +73,10 @@ double jo_contact_lasts(const jo_contact_law *x, double speed)
     return n == 1.0 ? JO_RE(x->duration) : JO_RE(x->duration) * pow(speed, (1.0 - n) / (1.0 + n));
 }
 
-/* Damper of a contact whose touches are impulses, N s/m: what is left for the law is rest. It has the restitution e by a spring of the duration T
- * of the slowest touch, c = 2 z m pi / T with e = exp(-pi z / sqrt(1 - z^2)); unlike u d' K d^n / v_in it is linear, so that steps longer than T
- * stay stable. */
-static jo_real rest_damper(const jo_contact_law *x)
-{
-    const double decay = -log(JO_RE(x->restitution)), ratio = decay / sqrt(JO_PI * JO_PI + decay * decay);
-    return 2.0 * ratio * JO_PI * x->mass / jo_contact_lasts(x, JO_RE(x->slowest));
-}
+/* Damper of a contact whose touches are impulses, N s/m: what is left for the law is rest. It has the restitution by a spring of the duration of
+ * the slowest touch; `damping` is c T / m, see rest_damping() in contacts/laws.py. Unlike u d' K d^n / v_in it is linear, so that steps longer
+ * than T stay stable. */
+static jo_real rest_damper(const jo_contact_law *x) { return x->damping * x->mass / x->duration; }
 
 /* N and its derivatives, for the approach speed of the states; 0 without overlap */
 void jo_contact_press(const jo_contact_law *x, const jo_real *state, jo_contact_point *y)

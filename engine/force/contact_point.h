@@ -7,8 +7,9 @@
 
 /* States of a point: phase, speed of approach v_in at the touch, m/s, time of the touch, s, stretch s of the bristle, m. */
 enum { JO_CONTACT_PHASE, JO_CONTACT_SPEED, JO_CONTACT_SINCE, JO_CONTACT_STRETCH, JO_CONTACT_STATES = JO_CONTACT_STRETCH + 3 };
-/* opens: apart after an impulse that came when it overlapped, by the resolution of an instant, and not yet open */
-enum { JO_CONTACT_APART, JO_CONTACT_STICKS, JO_CONTACT_SLIPS, JO_CONTACT_EASED, JO_CONTACT_OPENS };
+/* opens: apart after an impulse that came when it overlapped, by the resolution of an instant, and not yet open; glides: touches without friction,
+ * in reports alone */
+enum { JO_CONTACT_APART, JO_CONTACT_STICKS, JO_CONTACT_SLIPS, JO_CONTACT_EASED, JO_CONTACT_OPENS, JO_CONTACT_GLIDES };
 
 #define JO_CONTACT_STABLE 0.5   /* step of an explicit method times the rate of a contact */
 

@@ -12,7 +12,7 @@ void jo_contact_touch(const jo_real *A, const jo_real *origin, const jo_contact_
 {
     const int phase = jo_contact_phase(state);
     jo_real place[3], normal[3], tangential[3] = {0.0}, F[6];
-    t->phase = phase;
+    t->phase = phase != JO_CONTACT_APART && !(JO_RE(x->mu_static) > 0.0) ? JO_CONTACT_GLIDES : phase;
     t->force = t->number = t->shapes[0] = t->shapes[1] = -1.0;
     t->feature = 0.0;
     t->gap = -JO_RE(y->depth);

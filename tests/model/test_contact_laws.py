@@ -15,10 +15,12 @@ from jousto.mechanism import (
     Cuboid,
     HalfSpace,
     HertzLine,
+    Impact,
     JohnsonLine,
     PowerLaw,
     Regularised,
     Sphere,
+    SpringDamper,
     StickSlip,
     TableLaw,
 )
@@ -125,6 +127,32 @@ def test_tangent_is_the_derivative(law, more):
         for M, weights in ((exact.K, (0.0, 0.0, 1.0)), (exact.D, (0.0, 1.0, 0.0))):
             N = engine.newton_matrix(*weights)[: len(M), : len(M)]
             assert np.abs(M - N).max() <= 1e-12 * np.abs(M).max()
+
+
+@pytest.mark.parametrize("law", [SpringDamper(1e5, 10.0), Impact(1e6, 1.5, 10.0, 1e-3)])
+def test_tangent_of_slow_slips_of_laws_without_restitution(law):
+    """Slips of 5 um/s turn as the friction law has them: their scale is not a speed of 1 m/s."""
+    body = jo.RigidBody("b", 1.0, (1,) * 3, position=(0, 0, -1e-3), velocity=(5e-6, 2e-6, 0))
+    contact = Contact(
+        *("c", jo.ground["origin"], HalfSpace(), body["origin"], Sphere(0.0), law), mu_kinetic=0.3
+    )
+    engine = jo.model.Engine(jo.compile(jo.Mechanism(body, contact)))
+    assert engine.states[0] == 2  # slips
+    engine.accelerations()
+    exact = engine.tangent().D
+    N = engine.newton_matrix(0.0, 1.0, 0.0)[: len(exact), : len(exact)]
+    assert np.abs(exact).max() > 1e6  # mu N / |slip|
+    assert np.abs(exact - N).max() <= 1e-12 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("law", [SpringDamper(1e5, 10.0), Impact(1e8)])
+def test_speed_of_a_slow_approach(law):
+    """A drop from 10 mm: sqrt(2 g h), also below 1 m/s and without a restitution."""
+    body = jo.RigidBody("b", 1.0, (1e-3,) * 3, position=(0, 0, 0.06))
+    contact = Contact("c", jo.ground["origin"], HalfSpace(), body["origin"], Sphere(0.05), law)
+    model = jo.compile(jo.Mechanism(body, contact, jo.Gravity((0, 0, -G))))
+    run = jo.simulate(model, 0.047, solver=jo.RK4(1e-4))
+    assert run.contacts[0].approach == pytest.approx(np.sqrt(2 * G * 0.01), rel=1e-9)
 
 
 def incline(angle: float, speed: float, solver: Any, t: float, core: str, velocity: float) -> Any:

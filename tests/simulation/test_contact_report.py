@@ -107,6 +107,14 @@ def block(push: float) -> jo.Mechanism:
     return jo.Mechanism(body, *feet, force, jo.Gravity((0, 0, -G)))
 
 
+def test_a_contact_without_friction_neither_sticks_nor_slips():
+    ball = jo.RigidBody.sphere("ball", radius=0.05, mass=1.0, position=(0, 0, 0.05 - 1e-4))
+    law = PowerLaw(1e5, 1.0)
+    touch = Contact("touch", jo.ground["origin"], HalfSpace(), ball["origin"], Sphere(0.05), law)
+    run = jo.simulate(jo.compile(jo.Mechanism(ball, touch)), 1e-4, solver=jo.RK4(1e-4))
+    assert [one.phase for one in run.contacts.at(-1)] == ["no friction"]
+
+
 @pytest.mark.parametrize("solver", [jo.ROS2(1e-3), jo.GeneralizedAlpha(1e-3)], ids=["ROS2", "GA"])
 def test_points_of_an_instant(solver):
     """A block that is pushed below its friction sticks, above it slips: sums of forces."""

@@ -13,8 +13,9 @@ from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 
-PHASES = ("apart", "sticks", "slips", "slips")
-"""Phases of a contact; the last one slips within the present step."""
+PHASES = ("apart", "sticks", "slips", "slips", "apart", "no friction")
+"""Phases of a contact as the engine numbers them; the second "slips" does within the present step,
+the second "apart" after an impulse."""
 KINDS = ("vertex", "edge", "face")
 SIDES = 3
 """Sides of a triangle (``JO_MESH_SIDES``)."""
@@ -38,7 +39,7 @@ class ContactPoint:
     features : str
         Features of two polytopes that touch: ``"face 0, vertex 3"``; empty for other shapes.
     phase : str
-        "sticks", "slips" or "apart".
+        "sticks", "slips", "no friction" of a contact without any, or "apart".
     gap : float
         Distance, m; negative in contact.
     point, normal : (3,) arrays

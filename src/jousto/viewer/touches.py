@@ -42,7 +42,7 @@ class Touches:
     >>> model = jo.compile(jo.Mechanism(ball, floor))
     >>> found = Touches(model).at([State(model.q0, model.v0, [])])
     >>> found["texts"], found["values"][0, 5].round(6).item()
-    (['floor: ground - ball, sticks'], 10.0)
+    (['floor: ground - ball, no friction'], 10.0)
     """
 
     def __init__(self, model: Model) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import expm1, log1p, sqrt
+from collections.abc import Mapping
+from math import expm1, hypot, log, log1p, pi, sqrt
 from typing import Any, ClassVar
 
 import numpy as np
@@ -24,7 +25,7 @@ NUMBERS = {
     "stiffness": 0.0,
     "exponent": 1.0,
     "damping": 0.0,
-    "slowest": 1.0,
+    "slowest": SLOWEST,
     "viscous": 0.0,
     "full": 0.0,
     "curve": 0.0,
@@ -186,6 +187,19 @@ class ContactLawField(Nested[ContactLaw, ContactLaw]):
         if not isinstance(value, ContactLaw):
             problems.add(where, f"{self.label} is {value!r}, must be {self.noun}(...)", self.key)
         return value
+
+
+def rest_damping(law: ContactLaw, numbers: Mapping[str, float]) -> float:
+    """Return ``c T / m`` of the damper of a contact whose touches are impulses.
+
+    What is left for the force of the law is rest: c gives a spring of the duration of the slowest
+    touch the restitution e, ``c = 2 z m pi / T_s``, ``e = exp(-pi z / sqrt(1 - z^2))``. T is the
+    duration at 1 m/s: ``T_s = T v_s^((1-n)/(1+n))`` of a law ``K d^n``.
+    """
+    decay = -log(law.asked)
+    share = 2.0 * pi * decay / hypot(pi, decay)
+    n = numbers["exponent"]
+    return float(share * numbers["slowest"] ** ((n - 1.0) / (n + 1.0)))
 
 
 def modulus_of(material: Material, other: Material | None = None) -> float:

@@ -13,7 +13,7 @@ from jousto.base.arrays import Array
 from jousto.mechanism.contacts.collision import Apart, CollisionShape
 from jousto.mechanism.contacts.effective_mass import angular_mobility, mobility
 from jousto.mechanism.contacts.ellipsoid import Ellipsoid
-from jousto.mechanism.contacts.laws import NUMBERS, ContactLaw, Hertz
+from jousto.mechanism.contacts.laws import NUMBERS, ContactLaw, Hertz, rest_damping
 from jousto.mechanism.contacts.pairing import paired
 from jousto.mechanism.contacts.shapes import (
     Capsule,
@@ -166,14 +166,16 @@ class PairLaw:
         return f"{text}, rolling {self.lengths[0]:.4g} m, drilling {self.lengths[1]:.4g} m"
 
 
-def law_row(pair: PairLaw, shear: float, velocity: float) -> Array:
+def law_row(pair: PairLaw, shear: float, velocity: float, *, strikes: bool) -> Array:
     """Return the numbers of a law (17,) as in ``jo_law_row`` of the engine.
 
     ``shear``: ratio of the stiffness of the bristle; ``velocity``: that of smooth friction, m/s, 0
-    for a bristle.
+    for a bristle; ``strikes``: whether touches are impulses.
     """
     law, (kinetic, static) = pair.law, pair.friction
     x = NUMBERS | law.numbers(1.0)
+    if strikes:
+        x["damping"] = rest_damping(law, x)
     hertz = float(isinstance(law, Hertz))
     names = ("stiffness", "exponent", "damping", "slowest", "viscous", "full")
     bristle = shear if static and not velocity else 0.0

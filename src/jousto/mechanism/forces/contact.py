@@ -13,7 +13,7 @@ from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.contacts.collision import DRILLING, ROLLING
 from jousto.mechanism.contacts.effective_mass import angular_mobility, mobility
 from jousto.mechanism.contacts.friction import default_static
-from jousto.mechanism.contacts.laws import NUMBERS, TABLE, ContactLawField, Hertz
+from jousto.mechanism.contacts.laws import NUMBERS, TABLE, ContactLawField, Hertz, rest_damping
 from jousto.mechanism.contacts.pairing import POINTS, check_pair, most_points, paired
 from jousto.mechanism.contacts.shapes import Shape, ShapeField, Tip, touching
 from jousto.mechanism.forces.base import ForceElement, Push
@@ -353,8 +353,10 @@ def touch_numbers(force: Any, law: Mapping[str, float], mass: float) -> dict[str
     mass : float
         Smallest mass in play, kg.
     """
+    strikes = force.resolve == "impulse"
     return {
         **law,
+        "damping": rest_damping(force.law, law) if strikes else law["damping"],
         "mu_static": force.mu_static,
         "mu_kinetic": force.mu_kinetic,
         "shear": force.shear if force.mu_static and force.friction is None else 0.0,

@@ -380,7 +380,7 @@ class Contacts(ForceElement, tag="contacts"):
         laws = np.zeros((len(names), len(names), 17))
         velocity = 0.0 if self.friction is None else self.friction.velocity
         for (a, b), pair in self.laws.items():
-            numbers = law_row(pair, self.shear, velocity)
+            numbers = law_row(pair, self.shear, velocity, strikes=self.resolve == "impulse")
             laws[index[a], index[b]] = laws[index[b], index[a]] = numbers
         meets = group_table(self.groups, self.apart)
         joined = [] if self.joined else joined_bodies(builder.joined_bodies())
