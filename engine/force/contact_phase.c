@@ -6,6 +6,7 @@
 #define JO_CONTACT_LASTS 4.0    /* age of a contact over its duration without loss, from which on it is not short: also with large mass and loss */
 #define JO_NO_SLIP 1e-8     /* slip over the slowest approach of the law below which it is the round-off of an impulse or of a stop: none */
 #define JO_BEYOND_REASON 1e3    /* force of a bristle over its limit that no motion has, only round-off of a depth near 0 */
+#define JO_DRIVEN 2.0     /* speed of approach of a slip over that of its touch, from which on it is driven in */
 #define JO_STEEPEST 1.875         /* mu' velocity / mu_static of the smooth law at rest */
 
 /* A slip has no direction where it is round-off: friction of mu N along it would push anywhere, and its tangent mu N / |slip| has no end. */
@@ -102,6 +103,19 @@ void jo_contact_hold_states(const jo_model *m, jo_data *d, const jo_stage *stage
     }
 }
 
+/* Friction that drives bodies into each other, as a rod that jams, makes them far faster than they touched: beside the speed of the touch the damper
+ * would hold like a wall, and explicit methods would follow it by steps of nanoseconds. Such a slip has the loss of its own speed. What sticks,
+ * as parts at rest that are struck, keeps its law. */
+static void drive_in(const jo_contact_law *x, jo_contact_point *y, jo_real *state)
+{
+    const int phase = jo_contact_phase(state);
+    if ((phase != JO_CONTACT_SLIPS && phase != JO_CONTACT_EASED) || jo_contact_is_smooth(x)) return;
+    if (!(JO_RE(y->rate) > JO_DRIVEN * JO_RE(state[JO_CONTACT_SPEED]))) return;
+    state[JO_CONTACT_SPEED] = y->rate / JO_DRIVEN;
+    jo_contact_press(x, state, y);
+    jo_contact_stretched(state + JO_CONTACT_STRETCH, y);
+}
+
 /* states of a point that overlaps, by its phase */
 static void change_phase(const jo_contact_law *x, const jo_contact_point *y, jo_real *state)
 {
@@ -145,6 +159,7 @@ jo_real jo_contact_update(const jo_contact_law *x, int waits, jo_real time, jo_c
         state[JO_CONTACT_SPEED] = x->slowest;
         touch(x, time, y, state);
     } else if (overlaps) {
+        drive_in(x, y, state);
         change_phase(x, y, state);
     } else if (phase != JO_CONTACT_APART) {
         state[JO_CONTACT_PHASE] = jo_same(JO_CONTACT_APART);
