@@ -325,6 +325,7 @@ def studies(_: Objects, __: Path) -> Objects:
         "outcome": jo.design.read_outcome("min(place.y)"),
         "case": cases[0],
         "values": (weighed := jo.design.Values({"mass": (2.1, 0.1)})),
+        "modal": jo.design.Modal([1.0]),
         "experiment": jo.design.Experiment(
             jo.gauges.Record([0.0, 0.1], {"y": [0.0, 0.1]}, {"y": "m"}, "record")
         ),

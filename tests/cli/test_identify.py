@@ -113,6 +113,25 @@ def test_all_mistakes_come_at_once(folder: Path) -> None:
     assert other.read_text() == "mine: 1\n"
 
 
+def test_modes_of_a_file_are_fitted(folder: Path) -> None:
+    # set 15: a node at the load; set 55: 50 N/m on 2 kg in the x direction
+    mode = ["    -1", "    55", "NONE", "NONE", "NONE", "NONE", "NONE",
+            "         1         2         3         8         2         6",
+            "         2         4         1         1",
+            f"{5 / 2 / np.pi:13.5e}  1.00000e+00  0.00000e+00  0.00000e+00", "         1",
+            "  1.00000e+00  0.00000e+00  0.00000e+00  0.00000e+00  0.00000e+00  0.00000e+00",
+            "    -1"]  # fmt: skip
+    node = ["    -1", "    15", "         1         0         0        11" + 3 * "  0.00000e+00",
+            "    -1"]  # fmt: skip
+    (folder / "hammer.uff").write_text("\n".join([*node, *mode]) + "\n")
+    code, out = jousto("identify", folder / "trolley.yaml", "--modes", folder / "hammer.uff")
+    assert code == 0, out
+    (line,) = (line for line in out.splitlines() if "stiffness" in line)
+    assert float(line.split()[3]) == pytest.approx(50.0, rel=1e-4)
+    code, out = jousto("identify", folder / "trolley.yaml")
+    assert code == 2 and "no record; give --measured FILE or --modes FILE" in out
+
+
 def test_the_model_itself_is_not_overwritten(folder: Path) -> None:
     model = folder / "trolley.yaml"
     code, out = jousto(*("identify", model, "--measured", folder / "step.csv", "-o", model))

@@ -20,6 +20,7 @@ from jousto.cli.terminal import say
 if TYPE_CHECKING:
     from jousto.design.identification.experiment import Experiment
     from jousto.design.identification.identified import Identified
+    from jousto.design.identification.modal import Modal
     from jousto.design.studies.parameters.parameter import Parameter
     from jousto.measurement.gauges.record import Record
     from jousto.schema.read import ModelFile
@@ -28,7 +29,7 @@ MARK = "# jousto identify"
 """Begin of the files that this command writes."""
 Pairs = dict[str, str]
 Files = Annotated[
-    list[Path],
+    list[Path] | None,
     typer.Option("--measured", metavar="FILE", help="A record to fit: CSV, UFF, LVM or HDF5."),
 ]
 
@@ -36,7 +37,7 @@ Files = Annotated[
 @command()
 def identify(
     model: Model,
-    measured: Files,
+    measured: Files = None,
     output: Output = None,
     free: Annotated[
         list[str] | None,
@@ -78,6 +79,10 @@ def identify(
         list[Path] | None,
         typer.Option("--check", metavar="FILE", help="A record to compare with, never fitted."),
     ] = None,
+    hammer: Annotated[
+        list[Path] | None,
+        typer.Option("--modes", metavar="FILE.uff", help="Modes of a hammer test to fit."),
+    ] = None,
     unit: Annotated[
         list[str] | None,
         typer.Option("--unit", metavar="CHANNEL=UNIT", help="The unit that a file does not say."),
@@ -100,6 +105,7 @@ def identify(
     -o the model file is written with the new values; its comments and units stay.
     """
     from jousto.design.identification.identify import identify as found_from
+    from jousto.design.identification.modal import read_modes
     from jousto.schema.file.new_values import with_values
     from jousto.schema.read import read_model
 
@@ -120,13 +126,27 @@ def identify(
         "units": _pairs(problems, "--unit", unit),
     }
     sought = {"gain": gain or [], "bias": bias or [], "shift": shift or []}
-    fitted = _read(problems, file, measured, settings, sought)
+    fitted = _read(problems, file, measured or [], settings, sought)
     checked = _read(problems, file, check or [], settings, dict.fromkeys(sought, []))
     _unused(problems, [*fitted, *checked], settings, sought)
+    tests: list[Modal] = []
+    for path in hammer or ():
+        try:
+            tests.append(read_modes(path))
+        except InputError as error:
+            problems += error.problems
+    if not measured and not hammer:
+        problems.append(Problem("--measured", "no record; give --measured FILE or --modes FILE"))
     if problems:
         raise InputError(problems)
     found = found_from(
-        file, parameters, fitted, check=checked, loss=loss, starts=starts, workers=workers
+        file,
+        parameters,
+        [*fitted, *tests],
+        check=checked,
+        loss=loss,
+        starts=starts,
+        workers=workers,
     )
     if not quiet:
         say(str(found))
@@ -134,7 +154,7 @@ def identify(
         named = {p.name for p in parameters}
         values = {name: value for name, value in found.values.items() if name in named}
         text = with_values(file.text, values, model.name)
-        head = _head(found, [*measured, *(check or [])], model)
+        head = _head(found, [*(measured or []), *(hammer or []), *(check or [])], model)
         with written(_target(output, model)) as beside:
             beside.write_text(head + text, encoding="utf-8")
         say(f"model with the new values in {output}", style="green")

@@ -6,6 +6,8 @@ from .flexibility.reading_loss import ReadingLoss as ReadingLoss, reading_loss a
 from .identification.experiment import Experiment as Experiment
 from .identification.identified import Identified as Identified
 from .identification.identify import identify as identify
+from .identification.modal import Modal as Modal, read_modes as read_modes
+from .identification.mode_pairs import mac as mac
 from .identification.values import Values as Values
 from .optimisation.comparison import Comparison as Comparison
 from .optimisation.equivalent import equivalent_loads as equivalent_loads

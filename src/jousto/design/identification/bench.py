@@ -34,6 +34,14 @@ class Bench(Protocol):
     def solver(self) -> Any:
         """Method of the runs; None if it is not chosen yet, or there is nothing to choose."""
 
+    @property
+    def steps(self) -> tuple[float, float]:
+        """Steps of one-sided and of central differences, relative to the size of an unknown."""
+
+    @property
+    def scales(self) -> int:
+        """Number of scales that are fitted beside the unknowns, each to one comparison."""
+
     def results(self, points: Sequence[Array]) -> list[Any]:
         """Return the results at points (np,) of all unknowns, or the error of each."""
 

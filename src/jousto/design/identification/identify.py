@@ -17,6 +17,7 @@ from jousto.design.identification.bench import Bench
 from jousto.design.identification.certainty import Certainty, certainty
 from jousto.design.identification.experiment import Experiment
 from jousto.design.identification.identified import Fit, Identified
+from jousto.design.identification.modal import Modal, make_modal_bench
 from jousto.design.identification.prediction import make_bench
 from jousto.design.identification.remarks import asides, troubles
 from jousto.design.identification.residuals import Compared, Residuals
@@ -30,6 +31,8 @@ from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.running.sources import choose_parameters, source_of
 from jousto.measurement.gauges.record import Record
 from jousto.simulation.solvers.base import Solver
+
+Measurement = Experiment | Values | Modal
 
 SAME = 1e-3
 """Relative change of an estimated noise at which the alternation ends."""
@@ -72,9 +75,9 @@ def identify(
     parameters : sequence of Parameter or str
         What is sought, from the values on; bounds are kept. A normal or lognormal `distribution` is
         prior knowledge. None: all parameters of the file.
-    experiments : Experiment, Record, path, or sequence of these
+    experiments : Experiment, Values, Modal, Record, path, or sequence of these
         What was measured; a record is compared by the names of its channels.
-    check : Experiment, Record, path, or sequence of these
+    check : Experiment, Values, Modal, Record, path, or sequence of these
         Measurements that are only compared with the result, never fitted.
     loss : {"linear", "huber", "soft_l1", "cauchy"}
         Least squares, or a loss that wild samples do not spoil (as in `scipy.optimize`).
@@ -155,14 +158,14 @@ def identify(
     return replace(found, notes=tuple(notes), seconds=clock.perf_counter() - begun)
 
 
-def _experiments(problems: Problems, given: Any, what: str) -> list[Experiment | Values]:
+def _experiments(problems: Problems, given: Any, what: str) -> list[Measurement]:
     """Return experiments from experiments, values, records and paths."""
-    if isinstance(given, Experiment | Values | Record | str | Path):
+    if isinstance(given, Experiment | Values | Modal | Record | str | Path):
         given = [given]
-    found: list[Experiment | Values] = []
+    found: list[Measurement] = []
     try:
         for one in given:
-            found.append(one if isinstance(one, Experiment | Values) else Experiment(one))
+            found.append(one if isinstance(one, Experiment | Values | Modal) else Experiment(one))
     except TypeError:
         problems.add(
             "identify", f"{what} is {given!r:.60}, must be an Experiment, a Record or a path"
@@ -231,7 +234,7 @@ def _set_up(
 
 def _benches(
     problems: Problems,
-    given: Sequence[Experiment | Values],
+    given: Sequence[Measurement],
     model: Any,
     parameters: Sequence[Parameter],
     solver: Any,
@@ -242,6 +245,8 @@ def _benches(
     for one in given:
         if isinstance(one, Values):
             found.append(make_values_bench(problems, one, model, parameters))
+        elif isinstance(one, Modal):
+            found.append(make_modal_bench(problems, one, model, parameters))
         else:
             found.append(make_bench(problems, one, model, parameters, solver, workers))
     problems.raise_if_any()
@@ -383,6 +388,7 @@ def _result(
         J, priors(sought, u)[1], psi, curvature, residuals.sizes, sought, u, trusted
     )
     dof = n - sum(fit.outside for fit in fits) - len(sought)
+    dof -= sum(bench.scales for bench in residuals.benches)
     runs = sum(
         {id(b.evaluator.memory): b.evaluator.counts["runs"] for b in residuals.benches}.values()
     )

@@ -76,6 +76,16 @@ class Bench:
         """Return what a sensor shows in a run at the measured instants, and its rate (n,)."""
         return sensor_values(run, comparison, shift)
 
+    @property
+    def steps(self) -> tuple[float, float]:
+        """Steps of differences: runs differ by rounding only."""
+        return 3e-8, 3e-6
+
+    @property
+    def scales(self) -> int:
+        """Number of scales that are fitted beside the unknowns."""
+        return 0
+
     def results(self, points: Sequence[Array]) -> list[Any]:
         """Return the runs of points (np,) of all unknowns, or the error of each."""
         found: list[Any] = []

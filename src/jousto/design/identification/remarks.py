@@ -6,9 +6,12 @@ import numpy as np
 
 from jousto.base.errors import count
 from jousto.design.identification.identified import WHITE, Fit, Identified
+from jousto.design.identification.modal import ModalBench
 from jousto.design.identification.residuals import Residuals
 from jousto.design.studies.parameters.parameter import Parameter
 
+ALIKE = 0.6
+"""Assurance criterion below which two modes are not the same."""
 NEAR = 1e-3
 """Share of the size of an unknown within which it is on its bound."""
 
@@ -20,6 +23,7 @@ def troubles(found: Identified, residuals: Residuals) -> list[str]:
         *_noise(found, residuals),
         *_signs(found, residuals),
         *_white(found),
+        *_unlike(residuals, found),
     ]
 
 
@@ -97,3 +101,20 @@ def _white(found: Identified) -> list[str]:
         f"residuals of {names} are not white: the model lacks something, or the noise remembers; "
         "intervals allow for that memory, not for a wrong model"
     ]
+
+
+def _unlike(residuals: Residuals, found: Identified) -> list[str]:
+    """Return remarks on measured modes whose shape no mode of the machine has."""
+    lines = []
+    theta = residuals.theta(found.u)
+    for bench in residuals.benches:
+        if not isinstance(bench, ModalBench):
+            continue
+        (result,) = bench.results([theta])
+        for i, value in enumerate(result.mac):
+            if value < ALIKE:
+                lines.append(
+                    f"mode {i + 1} of {bench.name!r} has MAC {value:.2f} with its mode of the "
+                    "machine: not the same mode?"
+                )
+    return lines

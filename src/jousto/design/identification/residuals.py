@@ -14,9 +14,6 @@ from jousto.design.identification.experiment import Comparison, Number
 from jousto.design.identification.unknowns import Unknown
 from jousto.design.studies.parameters.parameter import Parameter
 
-SEARCH, FINAL = 3e-8, 3e-6
-"""Steps of one-sided and of central differences, relative to the size of an unknown."""
-
 Shown = list[tuple[Array, Array]]
 """Values and rates of every comparison at its instants."""
 
@@ -132,7 +129,7 @@ class Residuals:
             Whether to take central differences with a larger step instead of one-sided ones.
         """
         model = sorted({int(k) for bench in self.benches for k in bench.places})
-        h = FINAL if central else SEARCH
+        h = max(bench.steps[central] for bench in self.benches)
         steps = [h * self.unknowns[k].size for k in model]
         points = [u]
         for k, step in zip(model, steps, strict=True):

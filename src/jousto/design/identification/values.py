@@ -128,6 +128,16 @@ class ValuesBench:
         """Name for tables and messages."""
         return self.experiment.name
 
+    @property
+    def steps(self) -> tuple[float, float]:
+        """Steps of differences: eigenvalues and positions of rest are found by iterations."""
+        return 1e-5, 1e-4
+
+    @property
+    def scales(self) -> int:
+        """Number of scales that are fitted beside the unknowns."""
+        return 0
+
     def results(self, points: Sequence[Array]) -> list[Any]:
         """Return the outcomes (k,) at points (np,) of all unknowns, or the error of each."""
         found: list[Any] = []
