@@ -53,6 +53,30 @@ def test_a_bounce_from_one_metre() -> None:
     assert run["z"][between, 2].max() - 0.05 == pytest.approx(0.6391742777, abs=1e-6)
 
 
+@pytest.mark.filterwarnings("ignore:.*energy balance")
+@pytest.mark.parametrize("count", [60, pytest.param(1000, marks=pytest.mark.slow)])
+def test_elastic_bounces_keep_their_apex(count: int) -> None:
+    """Bounces of a point on a spring k from h = 1 mm: each apex is h, at multiples of their period.
+
+    ``2 v / g + (pi + 2 atan(g / (w v))) / w``, v^2 = 2 g h, w^2 = k / m: a flight, and a touch
+    about the depth of rest.
+    """
+    h, w = 1e-3, 1e3  # of 1 kg, 1e6 N/m
+    v = np.sqrt(2 * G * h)
+    period = 2 * v / G + (np.pi + 2 * np.arctan(G / (w * v))) / w
+    body = jo.RigidBody("b", 1.0, (1e-3,) * 3, position=(0, 0, h))
+    law = PowerLaw(w**2, 1.0, restitution=1.0)
+    touch = Contact("c", jo.ground["origin"], HalfSpace(), body["origin"], Sphere(0.0), law)
+    z = jo.PositionSensor("z", body["origin"])
+    model = jo.compile(jo.Mechanism(body, touch, z, jo.Gravity((0, 0, -G))))
+    solver = jo.simulation.DormandPrince(tolerance=1e-11)
+    run = jo.simulate(model, count * period, solver=solver, output_step=period)
+    assert len(run.contacts) == count
+    assert run["z"][:, 2] == pytest.approx(np.full(count + 1, h), rel=1e-6)
+    energy = run.energy.kinetic + run.energy.potential + run.energy.springs
+    assert energy.max() <= energy[0] * (1 + 1e-12)
+
+
 def test_a_stiff_shot_has_the_depth_of_its_energy() -> None:
     """10 g at 100 m/s on a free plate of 1 kg, 1e9 N/m^1.5, elastic, step 1 ms."""
     shot = jo.RigidBody.sphere(
