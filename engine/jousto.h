@@ -75,7 +75,7 @@ typedef double jo_real;
     ROW(tyre, radius, stiffness, damping, relaxation[2], lead, slow, sink, resistance, law, mu, half_length, load, cx, cy, \
         longitudinal[9], lateral[13], aligning[14], peak[2]) \
     ROW(slider, stiffness, damping, play, hold, brake, mu, resistance, slow, count) \
-    ROW(network, number, states, coordinates, signals, constants, values, instructions, pushes, slopes, memories, openings) \
+    ROW(network, number, states, coordinates, signals, constants, values, instructions, pushes, slopes, memories, gravity, openings) \
     ROW(memory, network, first, count, period, phase, margin, jumps) \
     ROW(delay, network, input, slope, time, points, given, initial, size) \
     /* the last row */
@@ -108,7 +108,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 32 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 33 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */

@@ -13,6 +13,7 @@ typedef struct jo_network {
     int nsignal, npush, nslope, fixed;     /* fixed: constant registers */
     int outside;                /* whether an argument lies beyond a table at whose ends the run shall end */
     int memories;               /* values that are constant within a step, see force_memory.c */
+    int gravity;                /* 3 where something depends on the acceleration of free fall, else 0 */
     int *memory;                /* (memories) their places among the states of all forces */
     int timed;              /* whether forces depend on time or signals */
     int nopening, *opening; /* openings of valves that pressures open, and their registers */
@@ -22,7 +23,7 @@ typedef struct jo_network {
     int *coordinate, *signal;   /* (m), (nsignal) */
     int *code;              /* (4 x instructions) operation and operands, see network_program.c */
     int *rate, *push, *slope;   /* (n) register of x'; (2 x npush) coordinate, register; (3 x nslope) row, column, register */
-    jo_real *r;             /* (registers): constants, x, s, s', time, signals and their rates, memories, results of instructions */
+    jo_real *r;             /* (registers): constants, x, s, s', time, signals and their rates, memories, gravity, results of instructions */
     jo_real *S;             /* (n + m) x (n + 2 m): derivatives of x' and F with respect to x, s, s' */
     jo_real *A;             /* (n x n) factors of 1 - g h f_x or of ca - cv f_x */
     int *pivot;             /* (n) */

@@ -53,8 +53,9 @@ static void count(const jo_force *f, jo_network *w)
     w->npush = jo_whole(x->pushes);
     w->nslope = jo_whole(x->slopes);
     w->memories = jo_whole(x->memories);
+    w->gravity = jo_whole(x->gravity);
     w->nopening = jo_whole(x->openings);
-    w->registers = w->fixed + w->n + 2 * w->m + 1 + 2 * w->nsignal + w->memories + w->instructions;
+    w->registers = w->fixed + w->n + 2 * w->m + 1 + 2 * w->nsignal + w->memories + w->gravity + w->instructions;
 }
 
 static void take(const jo_model *m, const jo_force *f, jo_network *w, jo_arena *a)

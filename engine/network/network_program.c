@@ -88,6 +88,7 @@ void jo_network_evaluate(const jo_model *m, const jo_data *d, jo_network *w, con
     }
     r += 2 * w->nsignal;
     for (int i = 0; i < w->memories; i++) same &= set(r++, jo_states(m, d)[w->memory[i]]);
+    for (int i = 0; i < w->gravity; i++) same &= set(r++, m->gravity[i]);
     if (!same || !w->computed) {
         w->outside = 0;
         run(w, 0, w->values);

@@ -6,7 +6,7 @@ EngineLaw(
     "network",
     constants=(
         *("number", "states", "coordinates", "signals", "constants"),
-        *("values", "instructions", "pushes", "slopes", "memories", "openings"),
+        *("values", "instructions", "pushes", "slopes", "memories", "gravity", "openings"),
     ),
     between=True,
     fast={"states": ()},

@@ -9,20 +9,17 @@ import numpy as np
 
 from jousto.base.errors import Problems
 from jousto.base.fields import field, kept
-from jousto.base.numbers import DefaultNumber, Number, Values, Whole
+from jousto.base.numbers import Number, Whole
 from jousto.base.rotations import Direction, turn_onto
-from jousto.mechanism.bodies.marker import Marker, MarkerField, MarkersField
+from jousto.mechanism.bodies.marker import MarkerField
 from jousto.mechanism.joints.base import aligned
 from jousto.mechanism.joints.coordinate import Coordinate, CoordinateField
 from jousto.mechanism.joints.rope_span import RopeSpan, misfit, rope_direction, wrap_angle
 from jousto.mechanism.states import expression as e
 from jousto.mechanism.states.block import Block, Equations
-from jousto.mechanism.states.rope_path import OptionalCoordinate, RopePart, rope_path
+from jousto.mechanism.states.rope import Rope
+from jousto.mechanism.states.rope_path import OptionalCoordinate, RopePart, bearing, rope_path
 
-PARALLEL = 0.999
-"""Smallest cosine between the axle of a sheave and the axis of its turn."""
-AWAY = 1e-9
-"""Distance of a hinge from its sheave that counts as rounding, relative to 1 m or the position."""
 TOUCH = 1e-12
 """Share of the length of a rope by which it may be from the limit of friction and slips."""
 LARGEST_EXPONENT = 50.0
@@ -157,37 +154,6 @@ def _sum(parts: list[Any]) -> Any:
     return first
 
 
-def bearing(
-    problems: Problems, where: str, name: str, turn: Coordinate, sheave: Marker
-) -> tuple[Marker, Any]:
-    """Return the frame of a sheave that does not turn with it, and 1 or -1.
-
-    The frame is at the other side of its hinge. The number is 1 if a turn of the sheave about its
-    axle is positive along the coordinate. Report a coordinate that is not the turn of this sheave.
-    """
-    n = np.real(sheave.A[:, 2])
-    if turn.unit != "rad":
-        problems.add(where, f"{name} is in {turn.unit}, must be the angle of a hinge", name)
-        return sheave, 1.0
-    if sheave.body is turn.b.body:
-        sense, held = 1.0, turn.a
-    elif sheave.body is turn.a.body:
-        sense, held = -1.0, turn.b
-    else:
-        text = f"{name} does not turn {sheave.label}; give the angle of its hinge"
-        problems.add(where, text, name)
-        return sheave, 1.0
-    cosine = float(np.real(turn.a.A[:, 2]) @ n)
-    if abs(cosine) < PARALLEL:
-        text = f"{name} turns about another axis than the axle of {sheave.label}; give axis"
-        problems.add(where, text, name)
-    away = float(np.linalg.norm(np.real(held.r - sheave.r)))
-    if away > AWAY * max(1.0, float(np.linalg.norm(np.real(sheave.r)))):
-        text = f"{name}: the hinge is {away:g} m from {sheave.label}; put both at the centre"
-        problems.add(where, text, name)
-    return aligned(held, sheave.A), sense * float(np.sign(cosine))
-
-
 class Gripped(Block):
     """Base of ropes and belts that friction holds on a rim over the angle `wrap`."""
 
@@ -218,7 +184,7 @@ class Gripped(Block):
         return {"slip": 0.0}
 
 
-class Capstan(Gripped, tag="capstan"):
+class Capstan(Gripped, Rope, tag="capstan"):
     """Rope that sticks to one sheave by friction: a bollard, a capstan, a traction sheave.
 
     The rope runs along `path` as that of a `Reeving`; only at `sheave`, a place in the path from
@@ -227,7 +193,8 @@ class Capstan(Gripped, tag="capstan"):
     `turns` further whole turns, and slips at this ratio; a rope at rest does not creep. A sheave
     that turns, with the angle `turn` of its hinge, carries the rope at the strain with which it
     comes onto the rim: this is the elastic creep of belts. On both sides
-    ``T = EA (l / l0 - 1) + c (l' - l0' l / l0)``, never negative.
+    ``T = EA (l / l0 - 1) + c (l' - l0' l / l0)``, never negative; `length` is that without the rope
+    on the further turns.
 
     Outputs: `tension` at the start and `tension_end`, N, `stored`, J; states: `passed`, m, the
     unstretched rope that the sheave has carried along the path, and `heat`, J, of friction, creep
@@ -245,20 +212,9 @@ class Capstan(Gripped, tag="capstan"):
     """
 
     kind = "capstan"
-    symbol = "cable"
     together = ("path", "radii", "sheave", "turn", "turns", "mu", "axis")
     outputs = ("tension", "tension_end", "stored")
-    path: MarkersField = field("Markers along the rope: an end, sheaves, the other end")
-    radii: Values = field(
-        "Radius of the sheave at each marker, negative for the other sense; 0 for an end",
-        unit="m",
-        shape=(None,),
-    )
-    stiffness: Number = field("EA, tension over strain", unit="N", above=0, kw_only=True)
     mu: Number = field("Coefficient of friction", unit="1", least=0, kw_only=True)
-    damping: Number = field(
-        "c, tension over the rate of the stretch", unit="N s/m", least=0, default=0.0, kw_only=True
-    )
     turns: Number = field("Further whole turns on the sheave", least=0, default=0.0, kw_only=True)
     sheave: Whole = field(
         "Place of the sheave with friction in the path, from 0", least=1, default=1, kw_only=True
@@ -268,31 +224,13 @@ class Capstan(Gripped, tag="capstan"):
         default=None,
         kw_only=True,
     )
-    length: DefaultNumber = field(
-        "Unstretched length at the start, without that on the sheave's further turns; None for the "
-        "length at the initial pose",
-        unit="m",
-        above=0,
-        default=None,
-        kw_only=True,
-    )
-    axis: Direction = field(
-        "Direction of all axles in the world frame at the initial pose; None for the z axes of the "
-        "markers",
-        default=None,
-        kw_only=True,
-    )
 
-    parts: Any = kept()
-    ways: Any = kept()
-    axles: Any = kept()
     wrap: Any = kept()
     sense: Any = kept()
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report paths that do not fit, and a sheave with friction that is none."""
-        for name in ("parts", "ways", "axles"):
-            object.__setattr__(self, name, ())
+        self.keep_path(None)
         object.__setattr__(self, "wrap", 0.0)
         object.__setattr__(self, "sense", 1.0)
         path, k = tuple(self.path), self.sheave
@@ -318,8 +256,7 @@ class Capstan(Gripped, tag="capstan"):
         rope = rope_path(problems, where, self, path)
         if rope is None:
             return
-        for name in ("parts", "ways", "axles"):
-            object.__setattr__(self, name, getattr(rope, name))
+        self.keep_path(rope)
         object.__setattr__(self, "wrap", rope.wraps[k] + 2.0 * np.pi * self.turns)
         self.check_ratio(problems, where, ": fix the rope to the sheave")
         given: Any = self.length
@@ -350,11 +287,6 @@ class Capstan(Gripped, tag="capstan"):
         made = law.equations(sides, drives, x)
         made.outputs["tension"], made.outputs["tension_end"] = made.outputs.pop("pulls")
         return made
-
-    @property
-    def drawn_at(self) -> tuple[Any, ...]:
-        """Markers along the rope."""
-        return tuple(self.path)
 
 
 class BeltDrive(Gripped, tag="belt-drive"):

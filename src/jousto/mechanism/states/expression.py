@@ -24,9 +24,9 @@ class Expression(Signal):
     Parameters
     ----------
     operation : str
-        Operation of the engine, or the kind of a leaf: "number", "time", "value", "rate",
-        "signal", "state", "output", "named" for a state or output of the block of a name, or
-        "delayed" for what a block delays.
+        Operation of the engine, or the kind of a leaf: "number", "time", "gravity", "value",
+        "rate", "signal", "state", "output", "named" for a state or output of the block of a name,
+        or "delayed" for what a block delays.
     parts : tuple of Expression
         Operands.
     of : object
@@ -161,6 +161,8 @@ def rate_of(x: Any) -> Expression:
 
 time = Expression("time")
 """Time, s."""
+gravity = tuple(Expression("gravity", of=axis) for axis in range(3))
+"""Acceleration of free fall along the axes of the world frame, m/s2."""
 
 
 def _function(operation: str, *items: Any) -> Expression:

@@ -7,25 +7,25 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.arrays import Array
 from jousto.base.errors import Problems, warn
 from jousto.base.fields import field, kept
-from jousto.base.numbers import DefaultNumber, DefaultValues, Number, Values
-from jousto.base.rotations import Direction, exp_rotation
-from jousto.mechanism.bodies.marker import Marker, MarkersField
-from jousto.mechanism.joints.rope_span import wrap_angle
+from jousto.base.numbers import DefaultValues, Number
+from jousto.base.rotations import turn_onto
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.joints.base import aligned
+from jousto.mechanism.joints.coordinate import CoordinatesField
 from jousto.mechanism.signals.base import OptionalSignal
 from jousto.mechanism.states import expression as e
-from jousto.mechanism.states.block import Block, Equations
-from jousto.mechanism.states.rope_path import OptionalCoordinate, rope_path
+from jousto.mechanism.states.block import Equations
+from jousto.mechanism.states.rope import Rope
+from jousto.mechanism.states.rope_path import OptionalCoordinate, bearing, rope_path
+from jousto.mechanism.states.rope_sections import add_sections, rims_of, start_states
 
 TOO_SHORT = 0.05
 """Strain at the start that is probably a mistake; a rope of steel breaks at 0.02."""
-ARC = np.radians(30.0)
-"""Angle between points of pictures on a sheave, rad."""
 
 
-class Reeving(Block, tag="reeving"):
+class Reeving(Rope, tag="reeving"):
     """Rope that runs over sheaves: a hoist, a block and tackle, a steering rope.
 
     The rope goes through the markers of `path` in order, from a drum or a fixed end over sheaves on
@@ -33,15 +33,22 @@ class Reeving(Block, tag="reeving"):
     in space (`RopeSpan`). With the length l of the whole rope along the sheaves and its unstretched
     length l0 the tension is ``T = EA (l / l0 - 1) + c (l' - l0' l / l0)``, never negative: a rope
     does not push. Every sheave, drum and end receives the force and moment of the rope, so that
-    momentum and angular momentum are exact. The sheaves and the rope have no mass.
+    momentum and angular momentum are exact.
+
+    With `hinges` some sheaves are bodies that turn with the rope, and with `mass_per_length` rho
+    the middle of every part carries its mass ``m = rho l0``, with the speed u along the part in the
+    world: ``m u' = T_2 - T_1 + m g . e``. There is then one tension between two such places, and
+    the ends of a part receive half its weight; across a part its mass has no inertia.
 
     A sheave with an efficiency below 1 holds the rope back: the tension grows by ``1 / efficiency``
     in the sense in which the rope runs, ``efficiency^(-tanh(u / slow))`` at the speed u. For a rope
     that slips over a bollard by the angle a (Euler, Eytelwein) it is ``exp(-mu a)``.
 
     Outputs: `tension` at the start, N, `tension_end` at the end, `length` l and `unstretched` l0,
-    m, and `strain`, ``l / l0 - 1``, negative while the rope is slack; the state `paid_out`, m, is
-    the rope that the winch has paid out.
+    m, and `strain`, ``l / l0 - 1``, negative while the rope is slack; with hinges or mass also
+    `stored` and `kinetic` energy, J. The state `paid_out`, m, is the rope that the winch has paid
+    out; with mass `shift1`, m, is the rope that has passed the middle of the first part, and
+    `speed1`, m/s, its speed u.
 
     Examples
     --------
@@ -54,33 +61,7 @@ class Reeving(Block, tag="reeving"):
     """
 
     kind = "reeving"
-    symbol = "cable"
-    together = ("path", "radii", "efficiencies")
-    outputs = ("tension", "tension_end", "length", "unstretched", "strain")
-    path: MarkersField = field("Markers along the rope: an end or drum, sheaves, the other end")
-    radii: Values = field(
-        "Radius of the sheave at each marker, negative for the other sense; 0 for an end. Positive "
-        "where the rope runs about the axle, the z axis of the marker, by the right hand",
-        unit="m",
-        shape=(None,),
-    )
-    stiffness: Number = field("EA, tension over strain", unit="N", above=0, kw_only=True)
-    damping: Number = field(
-        "c, tension over the rate of the stretch", unit="N s/m", least=0, default=0.0, kw_only=True
-    )
-    length: DefaultNumber = field(
-        "Unstretched length at the start; None for the length at the initial pose",
-        unit="m",
-        above=0,
-        default=None,
-        kw_only=True,
-    )
-    axis: Direction = field(
-        "Direction of all axles in the world frame at the initial pose; None for the z axes of the "
-        "markers",
-        default=None,
-        kw_only=True,
-    )
+    together = ("path", "radii", "efficiencies", "hinges")
     efficiencies: DefaultValues = field(
         "Tension before over tension after each marker of the path while the rope runs, 1 at both "
         "ends; None for no loss",
@@ -116,9 +97,18 @@ class Reeving(Block, tag="reeving"):
         kw_only=True,
     )
 
-    parts: Any = kept()
-    ways: Any = kept()
-    axles: Any = kept()
+    hinges: CoordinatesField = field(
+        "Angles of the hinges of sheaves that are bodies on the path and turn with the rope",
+        default=(),
+        kw_only=True,
+    )
+    mass_per_length: Number = field(
+        "Mass of the rope over its length", unit="kg/m", least=0, default=0.0, kw_only=True
+    )
+
+    turning: Any = kept()
+    rims: Any = kept()
+    moving: Any = kept()
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report paths, radii and efficiencies that do not fit, and sheaves without a rope."""
@@ -126,8 +116,9 @@ class Reeving(Block, tag="reeving"):
         given: Any = self.efficiencies
         if given is None:
             object.__setattr__(self, "efficiencies", np.ones(count))
-        for name in ("parts", "ways", "axles"):
-            object.__setattr__(self, name, ())
+        self.keep_path(None)
+        for name, empty in (("turning", {}), ("rims", ()), ("moving", {})):
+            object.__setattr__(self, name, empty)
         if count < 2:
             problems.add(where, f"path has {count} markers; give two or more", "path")
             return
@@ -149,11 +140,13 @@ class Reeving(Block, tag="reeving"):
                 return
         if (self.drum is None) != (self.drum_radius == 0.0):
             problems.add(where, "drum and drum_radius go together; give both or none", "drum")
-        rope = rope_path(problems, where, self, self.path)
+        rope = rope_path(problems, where, self, self._held_path(problems, where))
         if rope is None:
             return
-        for name in ("parts", "ways", "axles"):
-            object.__setattr__(self, name, getattr(rope, name))
+        self.keep_path(rope)
+        if self.mass_per_length:
+            object.__setattr__(self, "rims", rims_of(self))
+            object.__setattr__(self, "moving", start_states(self))
         length: Any = self.length
         if length is None:
             object.__setattr__(self, "length", self.initial_length)
@@ -164,6 +157,31 @@ class Reeving(Block, tag="reeving"):
                 "starts stretched; check length, radii and their signs",
             )
 
+    def _held_path(self, problems: Problems, where: str) -> list[Marker]:
+        """Return the path with the frames that carry the sheaves that turn; keep their turns."""
+        path, turning = list(self.path), {}
+        for i, hinge in enumerate(self.hinges):
+            bodies = hinge.a.body, hinge.b.body
+            places = [k for k, x in enumerate(self.path) if x.body in bodies and self.radii[k]]
+            places = [k for k in places if 0 < k < len(path) - 1]
+            if not places:
+                text = f"hinges[{i}], {hinge.name}, turns no sheave of the path; give the angle of "
+                problems.add(where, text + "the hinge of a body on the path", "hinges")
+            for k in places:
+                sheave = self.path[k]
+                if self.axis is not None:
+                    sheave = aligned(sheave, turn_onto(sheave.A, self.axis))
+                path[k], sense = bearing(problems, where, f"hinges[{i}]", hinge, sheave)
+                turning[k] = hinge, self.radii[k] * sense
+                if self.efficiencies[k] != 1.0:
+                    text = (
+                        f"efficiencies[{k}] at {sheave.label} is {np.real(self.efficiencies[k]):g}"
+                    )
+                    text += ", must be 1: the sheave turns; declare friction of its hinge"
+                    problems.add(where, text, "efficiencies")
+        object.__setattr__(self, "turning", turning)
+        return path
+
     @property
     def initial_length(self) -> float:
         """Length of the rope along the sheaves at the initial pose, m."""
@@ -173,12 +191,24 @@ class Reeving(Block, tag="reeving"):
         return total  # type: ignore[no-any-return]
 
     @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs: energies only of a rope with sections."""
+        always = ("tension", "tension_end", "length", "unstretched", "strain")
+        return (*always, "stored", "kinetic") if self.has_sections else always
+
+    @property
+    def has_sections(self) -> bool:
+        """Whether the tension differs by inertia along the rope."""
+        return bool(self.turning) or bool(self.mass_per_length)
+
+    @property
     def starts(self) -> Mapping[str, float]:
-        """The rope that the winch has paid out."""
-        return {} if self.winch is None else {"paid_out": 0.0}
+        """The rope that the winch has paid out, and the motion of a heavy rope along its parts."""
+        paid: dict[str, float] = {} if self.winch is None else {"paid_out": 0.0}
+        return {**paid, **self.moving}
 
     def equations(self, x: Mapping[str, e.Expression]) -> Equations:
-        """Return tension, its forces along all spans and the drum, and the rate of the winch."""
+        """Return tensions, forces along all spans and the drum, and the rates of all states."""
         made = Equations()
         paid: Any = e.expression(0.0)
         rate: Any = e.expression(0.0)
@@ -189,6 +219,18 @@ class Reeving(Block, tag="reeving"):
             paid = paid + self.drum_radius * e.value(self.drum)
             rate = rate + self.drum_radius * e.rate(self.drum)
             paid = paid - self.drum_radius * self.drum.initial
+        if self.has_sections:
+            add_sections(made, self, x, paid, rate)
+        else:
+            self._add_uniform(made, paid, rate)
+        return made
+
+    def loss(self, eta: Any, speed: Any) -> Any:
+        """Return the tension behind a sheave over that before it at a speed of the rope, m/s."""
+        return e.exp(-np.log(eta) * e.tanh(speed / self.slow))
+
+    def _add_uniform(self, made: Equations, paid: Any, rate: Any) -> None:
+        """Add the equations of a rope without mass, whose stretch is the same everywhere."""
         lengths, rates = zip(*((part.length, part.rate) for part in self.parts), strict=True)
         length, speed = _sum(lengths), _sum(rates)
         free: Any = self.length + paid
@@ -203,7 +245,7 @@ class Reeving(Block, tag="reeving"):
             flow = flow - part.rate
             share: Any = shares[-1]
             if eta != 1.0:
-                share = share * e.exp(-np.log(eta) * e.tanh(flow / self.slow))
+                share = share * self.loss(eta, flow)
             shares.append(share)
         if any(eta != 1.0 for eta in self.efficiencies):
             # the mean over the length has the stretch of the whole rope
@@ -221,24 +263,6 @@ class Reeving(Block, tag="reeving"):
             "unstretched": free,
             "strain": strain,
         }
-        return made
-
-    @property
-    def drawn_at(self) -> tuple[Marker | tuple[Any, Array], ...]:
-        """Points along the rope at the initial pose, each on the body of its sheave."""
-        found: list[Marker | tuple[Any, Array]] = []
-        for k, marker in enumerate(self.path):
-            radius = float(np.real(self.radii[k]))
-            ways = [np.real(way) for way in self.ways[max(k - 1, 0) : k + 1]]
-            if not radius:
-                found.append(marker)
-                continue
-            n = np.real(self.axles[k])
-            turn = float(np.real(wrap_angle(n, ways[0], ways[-1], radius)))
-            for share in np.linspace(0.0, turn, 1 + max(1, round(turn / ARC))):
-                rim = radius * np.cross(exp_rotation(np.sign(radius) * share * n) @ ways[0], n)
-                found.append((marker.body, marker.position_local + marker.carrier.T @ rim))
-        return tuple(found)
 
 
 def _sum(parts: Iterable[Any]) -> Any:

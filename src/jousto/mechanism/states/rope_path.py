@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,10 @@ from jousto.mechanism.joints.coordinate import Coordinate, check_coordinate
 from jousto.mechanism.joints.rope_span import RopeSpan, misfit, rope_direction, wrap_angle
 from jousto.mechanism.states import expression as e
 
+PARALLEL = 0.999
+"""Smallest cosine between the axle of a sheave and the axis of its turn."""
+AWAY = 1e-9
+"""Distance of a hinge from its sheave that counts as rounding, relative to 1 m or the position."""
 MOST_WRAP = np.radians(270.0)
 """Angle on a sheave, rad, above which the rope is taken not to touch it, or on its other side."""
 
@@ -55,7 +60,7 @@ class RopePart:
         fixed = e.expression(self.constant)
         return fixed if self.span is None else e.value(self.span) + fixed
 
-    @property
+    @cached_property
     def initial(self) -> Any:
         """Length at the initial pose, m."""
         return self.constant + (0.0 if self.span is None else self.span.initial)
@@ -71,20 +76,24 @@ class RopePath(NamedTuple):
 
     Parameters
     ----------
+    path : tuple of Marker
+        Markers of the ends and sheaves, with their axles along z.
     parts : tuple of RopePart
         Parts between the markers of the path.
     ways : tuple of array
         Unit vectors (3,) along them, world frame.
     axles : tuple of array
         Unit vectors (3,) along the axles of all sheaves, world frame.
-    wraps : tuple of float
-        Angles on all sheaves, rad, 0 at the ends.
+    wraps, arcs : tuple of float
+        Angles, rad, and lengths, m, of the rope on all sheaves, 0 at the ends.
     """
 
+    path: tuple[Marker, ...]
     parts: tuple[RopePart, ...]
     ways: tuple[Array, ...]
     axles: tuple[Array, ...]
     wraps: tuple[Any, ...]
+    arcs: tuple[Any, ...]
 
 
 def rope_path(problems: Problems, where: str, rope: Any, path: Sequence[Marker]) -> RopePath | None:
@@ -133,4 +142,37 @@ def rope_path(problems: Problems, where: str, rope: Any, path: Sequence[Marker])
     if all(part.span is None for part in made):
         problems.add(where, "nothing on its path can move", "path")
     axles = tuple(marker.A[:, 2] for marker in markers)
-    return RopePath(tuple(made), tuple(directions), axles, (*wraps, 0.0))
+    return RopePath(
+        tuple(markers), tuple(made), tuple(directions), axles, (*wraps, 0.0), tuple(arcs)
+    )
+
+
+def bearing(
+    problems: Problems, where: str, name: str, turn: Coordinate, sheave: Marker
+) -> tuple[Marker, Any]:
+    """Return the frame of a sheave that does not turn with it, and 1 or -1.
+
+    The frame is at the other side of its hinge. The number is 1 if a turn of the sheave about its
+    axle is positive along the coordinate. Report a coordinate that is not the turn of this sheave.
+    """
+    n = np.real(sheave.A[:, 2])
+    if turn.unit != "rad":
+        problems.add(where, f"{name} is in {turn.unit}, must be the angle of a hinge", name)
+        return sheave, 1.0
+    if sheave.body is turn.b.body:
+        sense, held = 1.0, turn.a
+    elif sheave.body is turn.a.body:
+        sense, held = -1.0, turn.b
+    else:
+        text = f"{name} does not turn {sheave.label}; give the angle of its hinge"
+        problems.add(where, text, name)
+        return sheave, 1.0
+    cosine = float(np.real(turn.a.A[:, 2]) @ n)
+    if abs(cosine) < PARALLEL:
+        text = f"{name} turns about another axis than the axle of {sheave.label}; give axis"
+        problems.add(where, text, name)
+    away = float(np.linalg.norm(np.real(held.r - sheave.r)))
+    if away > AWAY * max(1.0, float(np.linalg.norm(np.real(sheave.r)))):
+        text = f"{name}: the hinge is {away:g} m from {sheave.label}; put both at the centre"
+        problems.add(where, text, name)
+    return aligned(held, sheave.A), sense * float(np.sign(cosine))

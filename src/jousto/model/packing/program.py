@@ -16,7 +16,7 @@ Of: TypeAlias = tuple[int, ...] | int | float | complex
 """Operands of an operation, index of a leaf, or a number."""
 BLOCK = "numbers"
 """Kind of a leaf of several numbers: a table."""
-LEAVES = ("state", "value", "rate", "time", "signal", "signal rate", "memory")
+LEAVES = ("state", "value", "rate", "time", "signal", "signal rate", "memory", "gravity")
 
 FEW = 4
 """Most derivatives of an entry that several rows need and that is differentiated once."""

@@ -135,6 +135,7 @@ class System(ForceElement):
             pushes=len(made.pushes),
             slopes=len(made.slopes),
             memories=made.memories,
+            gravity=made.gravity,
             openings=len(made.openings),
         )
         return Packed(data, coupled=(tuple(sorted(bodies)),))
@@ -275,6 +276,8 @@ class _Assembly:
             return p.numbers(one.of)
         if kind == "time":
             return p.leaf("time")
+        if kind == "gravity":
+            return p.leaf("gravity", one.of)
         if kind in ("value", "rate"):
             return p.leaf(kind, self._coordinate(one.of))
         if kind in ("signal", "delayed"):  # a delayed value is a function of time within a step
@@ -352,6 +355,7 @@ class _Assembly:
             self.program.below(node for *_, node in self.slopes) - self._values
         )
         numbers = [k for k in used if nodes[k][0] == "number"]
+        self.gravity = 3 if any(nodes[k][0] == "gravity" for k in used) else 0
         self.constants: list[Any] = [nodes[k][1] for k in numbers]
         self.register = {k: i for i, k in enumerate(numbers)}
         for k in used:
@@ -367,6 +371,7 @@ class _Assembly:
             "signal": len(self.signals),
             "signal rate": len(self.signals),
             "memory": self.memories,
+            "gravity": self.gravity,
         }
         at = len(self.constants)
         first = {}
