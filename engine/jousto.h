@@ -559,7 +559,8 @@ long long jo_data_unproven(const jo_data *d, double *out);
 typedef struct { long long at_once, advanced, events, most; } jo_proof;
 const jo_proof *jo_data_proof(const jo_data *d);
 /* Openings of valves that pressures open, of all networks: out (2 x count), the largest change of each between stages of a method with networks
- * in its matrix, 1: from closed to open, and the time of the later one, s; counted anew then. Returns their count. */
+ * in its matrix, or between ends of steps of an implicit method, 1: from closed to open, and the time of the later one, s; counted anew then.
+ * Returns their count. */
 int jo_data_openings(jo_data *d, double *out);
 enum { JO_BRIEF = 3, JO_MOST_BRIEF = 16 };
 /* touches so far of contacts with resolve "report" that last for less than 10 steps. out (JO_MOST_BRIEF x JO_BRIEF), the first of them: time,

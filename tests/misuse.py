@@ -792,6 +792,20 @@ def _hydraulics(made: Made, _: Path) -> list[Call]:
         (h.Leak, {"name": "s", "a": "A", "b": "B", "conductance": 1e-12}),
         (h.CheckValve, flow),
         (h.ReliefValve, flow | {"setting": 1e6}),
+        (h.ReducingValve, flow | {"setting": 1e6}),
+        (h.SequenceValve, flow | {"setting": 1e6}),
+        (h.ShuttleValve, flow | {"outlet": "C"}),
+        (h.FlowControlValve, flow),
+        (h.PilotCheckValve, flow | {"pilot": "C"}),
+        (
+            h.EfficiencyMap,
+            {
+                "speeds": [100.0],
+                "pressures": [1e6],
+                "volumetric": [[0.9]],
+                "mechanical": [[0.9]],
+            },
+        ),
         (
             h.CounterbalanceValve,
             {"name": "s", "load": "A", "line": "B", "setting": 1e6, "flow": 1e-3},

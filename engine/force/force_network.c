@@ -10,6 +10,7 @@
 
 enum { JO_STATE_ITERATIONS = 40 };   /* largest number of Newton's method for the states */
 enum { JO_STATE_HALVINGS = 40 };     /* largest number for one increment */
+#define JO_FOLLOWS 5.0         /* time between two stages over g h, above which they are not of one step or of the next: h is 2.3 to 3.4 g h */
 #define JO_STATES_FOUND 1e-14  /* increment of a state over its size at which they are found */
 #define JO_STATES_NEAR 1e-9    /* the same, below which increments are not halved: where they do not shrink, that is round-off */
 
@@ -74,7 +75,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     }
     const int first = stage->contacts && !stage->earlier;
     jo_network_evaluate(m, d, w, own_states(m, d, f), stage->lead, first);
-    if (stage->contacts && w->nopening) jo_network_note_openings(d, stage, w);
+    if (stage->contacts && w->nopening) jo_network_note_openings(d, JO_FOLLOWS * stage->gh, w);
     if (w->outside) {
         d->error_index = w->force;
         return JO_BEYOND_TABLE;

@@ -14,6 +14,7 @@
 #include "newton/newton.h"
 #include "beam/beam.h"
 #include "integrate/integrate.h"
+#include "network/network.h"
 #include "integrate/acceleration_size.h"
 #include <string.h>
 
@@ -26,6 +27,7 @@
 #define JO_DAMPED_ITERATIONS 5  /* limit of the iterations with shortened increments, relative to the normal limit */
 #define JO_POSITION_ROUNDING 2.2e-15   /* rounding of positions / size of the mechanism: ten times DBL_EPSILON */
 #define JO_STOPPING_SHARE2 1e-6 /* square of the weight (1e-3) in the reference of the accelerations that stop all bodies within one step */
+#define JO_NEXT 1.5             /* time between two ends of steps over the step, above which the openings of valves are not compared */
 #define JO_MIN_REDUCTION 0.5    /* ratio of successive residuals above which the joints are not corrected again */
 
 #ifdef JO_COMPLEX
@@ -345,7 +347,10 @@ static int accept(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
 {
     int status = JO_OK;
     jo_alpha_update(m, d, s);
-    if (m->nstate) status = jo_residual_at(m, d, stage, d->acc);   /* states of the forces after the last increment */
+    if (m->nstate) {
+        status = jo_residual_at(m, d, stage, d->acc);   /* states of the forces after the last increment */
+        jo_networks_note_openings(d, JO_NEXT * s->step);
+    }
     jo_iteration_limit_update(m, d, s);
     memcpy(d->alpha.algorithmic, d->rate, (size_t)d->nw * sizeof(jo_real));
     memcpy(d->alpha.end_a, d->a, (size_t)d->nw * sizeof(jo_real));
@@ -373,6 +378,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s, int *steady)
         d->alpha.forces_read = forces_read(m);
         const int status = restart(m, d, s);
         if (status != JO_OK) return status;
+        if (m->nstate) jo_networks_note_openings(d, 0.0);
     }
     if (old.a != weights.a || old.v != weights.v || old.q != weights.q || old.position != weights.position
         || old.plain != weights.plain) jo_newton_outdated(d);

@@ -17,8 +17,8 @@ typedef struct jo_network {
     int *memory;                /* (memories) their places among the states of all forces */
     int timed;              /* whether forces depend on time or signals */
     int nopening, *opening; /* openings of valves that pressures open, and their registers */
-    jo_real *before;        /* (nopening) in the last stage */
-    double *most, last;     /* (2 x nopening) largest change between stages and its time; time of the last stage */
+    jo_real *before;        /* (nopening) when last noted */
+    double *most, last;     /* (2 x nopening) largest change and its time; time when last noted */
     int computed;           /* results in the registers: 1 of values, 2 also of derivatives */
     int *coordinate, *signal;   /* (m), (nsignal) */
     int *code;              /* (4 x instructions) operation and operands, see network_program.c */
@@ -56,7 +56,9 @@ int jo_network_table(int operation, const jo_real *t, jo_real x, jo_real y, jo_r
 /* network_program.c */
 /* registers at the present coordinates and states, with signals at time + lead; derivatives also: those of the table S */
 void jo_network_evaluate(const jo_model *m, const jo_data *d, jo_network *w, const jo_real *x, double lead, int derivatives);
-void jo_network_note_openings(const jo_data *d, const jo_stage *stage, jo_network *w);   /* after the evaluation of a stage */
+/* openings in the registers, and their change since the last call if that is less than `longest` ago, s */
+void jo_network_note_openings(const jo_data *d, double longest, jo_network *w);
+void jo_networks_note_openings(const jo_data *d, double longest);   /* of all networks */
 void jo_network_factor(jo_real *A, int n, int *pivot);   /* LU by rows, with row exchanges */
 void jo_network_solve(const jo_real *A, int n, const int *pivot, jo_real *x);
 void jo_network_response(jo_network *w, double ca, double cv);   /* factors of ca - cv f_x; K and D with this response */

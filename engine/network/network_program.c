@@ -5,8 +5,6 @@
 #include "force/force.h"
 #include "network/network.h"
 
-#define JO_FOLLOWS 5.0     /* time between two stages over g h, above which they are not of one step or of the next: h is 2.3 to 3.4 g h */
-
 static jo_real power(jo_real x, jo_real n)
 {
 #ifdef JO_COMPLEX
@@ -105,10 +103,10 @@ void jo_network_evaluate(const jo_model *m, const jo_data *d, jo_network *w, con
     }
 }
 
-void jo_network_note_openings(const jo_data *d, const jo_stage *stage, jo_network *w)
+void jo_network_note_openings(const jo_data *d, double longest, jo_network *w)
 {
     const double now = JO_RE(d->time[0]);
-    const int follows = fabs(now - w->last) < JO_FOLLOWS * stage->gh;   /* not after a change of the state by the caller */
+    const int follows = fabs(now - w->last) < longest;   /* not after a change of the state by the caller */
     w->last = now;
     for (int i = 0; i < w->nopening; i++) {
         const jo_real x = w->r[w->opening[i]];
@@ -118,6 +116,11 @@ void jo_network_note_openings(const jo_data *d, const jo_stage *stage, jo_networ
         w->most[2 * i] = change;
         w->most[2 * i + 1] = now;
     }
+}
+
+void jo_networks_note_openings(const jo_data *d, double longest)
+{
+    for (int i = 0; i < d->networks.count; i++) jo_network_note_openings(d, longest, &d->networks.list[i]);
 }
 
 int jo_data_openings(jo_data *d, double *out)

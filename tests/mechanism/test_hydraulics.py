@@ -155,4 +155,6 @@ def test_every_element_is_public() -> None:
     found = kinds("hydraulics", "jousto.mechanism.hydraulics").values()
     public = {getattr(jo.hydraulics, name) for name in jo.hydraulics.__all__}
     assert set(found) <= public
-    assert public - set(found) == {HydraulicNetwork, Oil, jo.hydraulics.Cushion}
+    assert public - set(found) == {
+        *(HydraulicNetwork, Oil, jo.hydraulics.Cushion, jo.hydraulics.EfficiencyMap),
+    }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from jousto.model.native.native import Engine
 
 PART = 0.5
-"""Largest change of an opening in a step, 1: from closed to open, that a step of ROS2 follows."""
+"""Largest change of an opening in a step, 1: from closed to open, that a step follows."""
 SHOWN = 3
 """Largest number of valves in the warning."""
 
@@ -22,7 +22,7 @@ def _warning(engine: Engine, step: float) -> str:
     The matrix of ROS2 contains the slope of a flow at the start of a step: where a valve opens
     within the step, that slope is the one of a closed valve. Stages count, since a valve may open
     in the second stage of each step and be closed at the end of all steps.
-    Implicit methods solve for the pressures at the end of each step, and need no warning.
+    Implicit methods weigh the flows at both ends of a step, neither of which is the one between.
     """
     names = [name for force in engine.model.forces for name in force.openings]
     if not names:

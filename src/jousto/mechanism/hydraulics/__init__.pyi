@@ -3,6 +3,13 @@ from .accumulator import Accumulator as Accumulator
 from .cylinder import Cushion as Cushion, HydraulicCylinder as HydraulicCylinder
 from .directional_valve import DirectionalValve as DirectionalValve
 from .hose import Hose as Hose
+from .logic_valves import (
+    FlowControlValve as FlowControlValve,
+    PilotCheckValve as PilotCheckValve,
+    ReducingValve as ReducingValve,
+    SequenceValve as SequenceValve,
+    ShuttleValve as ShuttleValve,
+)
 from .network import HydraulicNetwork as HydraulicNetwork
 from .nodes import FlowSource as FlowSource, Node as Node, Supply as Supply, Tank as Tank
 from .oil import Oil as Oil
@@ -12,4 +19,8 @@ from .pressure_valves import (
     CounterbalanceValve as CounterbalanceValve,
     ReliefValve as ReliefValve,
 )
-from .pump import HydraulicMotor as HydraulicMotor, Pump as Pump
+from .pump import (
+    EfficiencyMap as EfficiencyMap,
+    HydraulicMotor as HydraulicMotor,
+    Pump as Pump,
+)

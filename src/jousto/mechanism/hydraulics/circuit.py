@@ -161,6 +161,11 @@ class Circuit:
         if port in self.nodes:
             self.nodes[port].compliance = self.nodes[port].compliance + compliance
 
+    def add_growth(self, port: str, rate: Any) -> None:
+        """Join a volume to a node that grows at a rate of its own, m3/s, at constant pressure."""
+        if port in self.nodes:
+            self.nodes[port].rate = self.nodes[port].rate + rate
+
     def add_flow(self, port: str, q: Any, density: Any = None) -> Any:
         """Let a flow q enter a node, m3/s; return its power, W.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from jousto.mechanism.states.expression import clip, edge_flow, where
+from jousto.mechanism.states.expression import clip, edge_flow, minimum, where
 
 SMOOTHED = 0.01
 """Share of the stroke of a spool over which an edge begins to open."""
@@ -43,3 +43,14 @@ def spool_opening(x: Any, overlap: float) -> Any:
     """
     z, w = (x - overlap) / (1.0 - overlap), SMOOTHED
     return clip(where(z, where(z - w, z - w / 2, z * z / (2 * w)), 0.0) / (1.0 - w / 2), 0.0, 1.0)
+
+
+def held_drop(dp: Any, margin: float, full: float) -> Any:
+    """Return the drop of a metering edge whose compensator closes by ``S((dp - p1)/full)``.
+
+    Its slope over the whole drop is ``1 - S``, with the smooth step S and p1 = margin - full/2: it
+    is dp below p1, and the margin from p1 + full on.
+    """
+    first = margin - full / 2.0
+    z = clip((dp - first) / full, 0.0, 1.0)
+    return minimum(dp, first) + full * z * (1.0 - z * z * (1.0 - z / 2.0))

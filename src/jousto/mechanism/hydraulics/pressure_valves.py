@@ -66,7 +66,7 @@ class CheckValve(EdgeElement, tag="check-valve"):
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report a valve that is open before it opens."""
-        _check_opening(problems, where, self.cracking, self.full)
+        check_opening(problems, where, self.cracking, self.full)
 
     def connect(self, circuit: Circuit) -> None:
         """Add the flow."""
@@ -108,7 +108,7 @@ class CounterbalanceValve(EdgeElement, tag="counterbalance-valve"):
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report a check valve that is open before it opens."""
-        _check_opening(problems, where, self.cracking, self.check_full)
+        check_opening(problems, where, self.cracking, self.check_full)
 
     def connect(self, circuit: Circuit) -> None:
         """Add the flows through both valves."""
@@ -125,7 +125,8 @@ class CounterbalanceValve(EdgeElement, tag="counterbalance-valve"):
         circuit.add_edge(self.name, self.load, self.line, self.kv, opening + check)
 
 
-def _check_opening(problems: Problems, where: str, cracking: float, full: float) -> None:
+def check_opening(problems: Problems, where: str, cracking: float, full: float) -> None:
+    """Report a valve that is fully open before it opens."""
     if not full > cracking:
         problems.add(where, f"is fully open at {full:g} Pa, must be above the cracking pressure "
                      f"{cracking:g} Pa")  # fmt: skip

@@ -5,14 +5,27 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from jousto.base.declare import Declared
 from jousto.base.errors import Problems
-from jousto.base.fields import Field, field
-from jousto.base.numbers import Number, OptionalNumber
-from jousto.mechanism.hydraulics.circuit import limited
+from jousto.base.fields import Field, OptionalItem, field
+from jousto.base.numbers import Number, OptionalNumber, Values
+from jousto.base.object_repr import described
+from jousto.mechanism.hydraulics.circuit import constant, limited
 from jousto.mechanism.hydraulics.element import HydraulicElement, Port
 from jousto.mechanism.joints.coordinate import Coordinate, check_coordinate
-from jousto.mechanism.states.expression import absolute, maximum, minimum, rate, smooth_step, sqrt
+from jousto.mechanism.states.expression import (
+    absolute,
+    maximum,
+    minimum,
+    rate,
+    smooth_step,
+    sqrt,
+    where,
+)
 from jousto.mechanism.states.inputs import InputField, OptionalInput
+from jousto.mechanism.states.tables import check_knots, surface
 
 if TYPE_CHECKING:
     from jousto.mechanism.hydraulics.circuit import Circuit
@@ -35,11 +48,55 @@ class OptionalCoordinate(Field[Coordinate | None, Coordinate | None]):
         return check_coordinate(problems, where, self.name, value)
 
 
+@described
+class EfficiencyMap(Declared, by_value=True, kw_only=True):
+    """Measured efficiencies of a pump or motor over speed and pressure difference.
+
+    Between the knots the losses ``(1 - volumetric) D w`` and ``(1/mechanical - 1) D p`` are
+    interpolated, with those at full displacement for all shares. Below the first pressure the loss
+    of flow falls to 0; else the value at the nearest knot holds outside.
+    """
+
+    kind = "efficiency map"
+    speeds: Values = field("Speeds (n,) of the shaft, increasing", unit="rad/s", shape=(None,))
+    pressures: Values = field("Pressure differences (m,), increasing", unit="Pa", shape=(None,))
+    volumetric: Values = field("Volumetric efficiency (n x m)", shape=(None, None))
+    mechanical: Values = field("Mechanical efficiency (n x m)", shape=(None, None))
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Report knots that do not increase or are not positive, and efficiencies beyond 0 to 1."""
+        for key, axis in (("speeds", 0), ("pressures", 1)):
+            at = getattr(self, key)
+            if len(at) and not at[0] > 0.0:
+                problems.add(where, f"{key} begins at {at[0]:g}, must be positive", key)
+            for values in (self.volumetric, self.mechanical):
+                check_knots(problems, where, key, at, values.shape[axis])
+        for key in ("volumetric", "mechanical"):
+            worst = [x for x in getattr(self, key).ravel() if not 0.0 < x <= 1.0]
+            if worst:
+                text = f"{key} has {worst[0]:g}, must be above 0 and at most 1"
+                problems.add(where, text, key)
+
+    def losses(self, displacement: Any, w: Any, dp: Any) -> tuple[Any, Any]:
+        """Return the loss of flow, m3/s, from b to a, and of torque, N m, against the speed."""
+        speeds = self.speeds
+        pressures = np.concatenate([[0.0], self.pressures])
+        flow = (1.0 - self.volumetric) * speeds[:, None]
+        flow = np.hstack([np.zeros((len(speeds), 1)), flow])
+        drag = (1.0 / self.mechanical - 1.0) * self.pressures
+        drag = np.hstack([drag[:, :1], drag])
+        speed, p = absolute(w), absolute(dp)
+        lost = displacement * surface(speed, p, speeds, pressures, flow)
+        torque = displacement * surface(speed, p, speeds, pressures, drag)
+        return where(dp, lost, 0.0 - lost), torque * w / sqrt(w * w + TURNING**2)
+
+
 class DisplacementElement(HydraulicElement):
     """Base of pumps and motors: flow ``e D w`` less leaks from a to b, torque ``e D dp``.
 
     Leaks are ``(leak + slip D/mu) dp``, and friction of the shaft is
-    ``drag mu D abs(w) + friction D abs(dp)`` against its speed (Wilson, Trans. ASME 71, 1949).
+    ``drag mu D abs(w) + friction D abs(dp)`` against its speed (Wilson, Trans. ASME 71, 1949), or
+    both follow from a map of efficiencies.
     """
 
     a: Port = field("Port from which oil is taken when the shaft turns forwards")
@@ -56,6 +113,15 @@ class DisplacementElement(HydraulicElement):
     slip: InputField = field("Wilson's slip coefficient c_s", default=0.0, kw_only=True)
     drag: Number = field("Wilson's viscous drag c_v", least=0, default=0.0, kw_only=True)
     friction: Number = field("Wilson's friction c_f", least=0, default=0.0, kw_only=True)
+    map: OptionalItem[EfficiencyMap] = field(
+        "Efficiencies over speed and pressure, instead of leak and Wilson's coefficients",
+        default=None, kw_only=True,
+    )  # fmt: skip
+    suction: OptionalNumber = field(
+        "Net positive suction head as a pressure: excess over that of the vapour at the port that "
+        "takes oil, below which the flow is cut; None for none", unit="Pa", above=0, default=None,
+        kw_only=True,
+    )  # fmt: skip
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report a shaft that is missing or given twice, or that is no angle."""
@@ -63,19 +129,26 @@ class DisplacementElement(HydraulicElement):
             problems.add(where, "give either speed or shaft, the angle of a joint")
         if self.shaft is not None and self.shaft.unit != "rad":
             problems.add(where, f"shaft is {self.shaft.name!r}, must be an angle")
+        losses = self.drag, self.friction, *map(constant, (self.leak, self.slip))
+        if self.map is not None and any(x != 0.0 for x in losses):
+            problems.add(where, "has a map and leak, slip, drag or friction; take one of both")
 
     def turn(self, circuit: Circuit, share: Any) -> None:
         """Add flow, torque and powers at a share of the full displacement."""
         D, mu = self.displacement, circuit.oil.viscosity
         w = rate(self.shaft) if self.shaft is not None else self.speed
         dp = circuit.pressure(self.b) - circuit.pressure(self.a)
-        q = share * D * w - (self.leak + D / mu * self.slip) * dp
+        filled = self._filled(circuit, share * w)
+        if self.map is None:
+            leaks, loss = (self.leak + D / mu * self.slip) * dp, 0.0 * w
+            if self.drag or self.friction:
+                sign = w / sqrt(w * w + TURNING**2)
+                loss = self.drag * mu * D * w + self.friction * D * absolute(dp) * sign
+        else:
+            leaks, loss = self.map.losses(D, w, dp)
+        q = filled * share * D * w - leaks
         taken = circuit.add_passage(self.a, self.b, q)
-        loss = 0.0 * w
-        if self.drag or self.friction:
-            sign = w / sqrt(w * w + TURNING**2)
-            loss = self.drag * mu * D * w + self.friction * D * absolute(dp) * sign
-        torque = share * D * dp + loss  # that the shaft gives
+        torque = filled * share * D * dp + loss  # that the shaft gives
         power = torque * w
         circuit.add_heat(self.name, taken + power)
         circuit.add_output(f"{self.name}_flow", q)
@@ -85,6 +158,18 @@ class DisplacementElement(HydraulicElement):
             circuit.mechanical(0.0 - power)
         else:
             circuit.supplied(power)
+
+    def _filled(self, circuit: Circuit, turning: Any) -> Any:
+        """Return the share of the displacement that the oil at the port behind the shaft fills."""
+        if self.suction is None:
+            return 1.0
+        p = where(turning, circuit.pressure(self.a), circuit.pressure(self.b))
+        filled = circuit.opened(
+            f"suction of {self.kind} {self.name!r} (suction)",
+            (p - circuit.oil.floor) / self.suction,
+        )
+        circuit.add_output(f"{self.name}_filled", filled)
+        return filled
 
 
 class Pump(DisplacementElement, tag="pump"):

@@ -60,7 +60,18 @@ def _looked_up(operation: str, numbers: list[Any], *inputs: Expression) -> Expre
     return Expression(operation, (inputs[0], block, *inputs[1:]))
 
 
-def _check_knots(problems: Problems, where: str, key: str, at: Array, count: int) -> None:
+def surface(
+    x: Expression, y: Expression, at_x: Array, at_y: Array, values: Array, *,
+    slopes: str = "parabola", outside: str = "hold",
+) -> Expression:  # fmt: skip
+    """Return z(x, y) of values (n x m) at the knots at_x (n,) and at_y (m,)."""
+    along_x = slopes_of(at_x, values.T, slopes).T
+    along_y, mixed = (slopes_of(at_y, one, slopes) for one in (values, along_x))
+    head = [*values.shape, OUTSIDE.index(outside)]
+    return _looked_up("map", [head, at_x, at_y, values, along_x, along_y, mixed], x, y)
+
+
+def check_knots(problems: Problems, where: str, key: str, at: Array, count: int) -> None:
     """Report knots that are too few or not increasing, or of another number than the values."""
     if len(at) < 2:
         problems.add(where, f"{key} has {len(at)} knots, must have 2 or more", key)
@@ -94,7 +105,7 @@ class Lookup(Block, tag="lookup"):
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report knots that do not increase or do not fit the values."""
-        _check_knots(problems, where, "at", self.at, len(self.values))
+        check_knots(problems, where, "at", self.at, len(self.values))
 
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return the output."""
@@ -130,14 +141,11 @@ class LookupMap(Block, tag="lookup-map"):
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report knots that do not increase or do not fit the values."""
-        _check_knots(problems, where, "at_x", self.at_x, self.values.shape[0])
-        _check_knots(problems, where, "at_y", self.at_y, self.values.shape[1])
+        check_knots(problems, where, "at_x", self.at_x, self.values.shape[0])
+        check_knots(problems, where, "at_y", self.at_y, self.values.shape[1])
 
     def equations(self, x: Mapping[str, Expression]) -> Equations:
         """Return the output."""
-        f, kind = self.values, self.interpolation
-        along_x = slopes_of(self.at_x, f.T, kind).T
-        along_y, mixed = (slopes_of(self.at_y, one, kind) for one in (f, along_x))
-        head = [*f.shape, OUTSIDE.index(self.outside)]
-        numbers = [head, self.at_x, self.at_y, f, along_x, along_y, mixed]
-        return Equations(outputs={"z": _looked_up("map", numbers, self.x, self.y)})
+        knots, how = (self.at_x, self.at_y, self.values), self.interpolation
+        z = surface(self.x, self.y, *knots, slopes=how, outside=self.outside)
+        return Equations(outputs={"z": z})

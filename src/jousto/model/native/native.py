@@ -257,8 +257,8 @@ class Engine:
     def openings(self) -> NDArray[np.float64]:
         """Return rows (k, 2) of the openings of valves since the last call: change, time.
 
-        The change is the largest one between stages of ROS2, 1: from closed to open; the time is
-        that of the later stage, s.
+        The change is the largest one between stages of ROS2 or ends of steps of an implicit method,
+        1: from closed to open; the time is that of the later one, s.
         """
         out = np.zeros((sum(len(force.openings) for force in self.model.forces), 2))
         if len(out):
