@@ -6,6 +6,7 @@
 
 enum { JO_MAX_SUPPORTS = 128 };       /* iterations; some 10 are usual */
 #define JO_CLOSEST 1e-15              /* error of the distance, relative to it and to the size, at which the search ends */
+#define JO_CLOSEST_START 1e-7         /* the same of round shapes, whose closest points Newton's method finds from there */
 
 /* closest point of the segment of corners i, j to the origin: shares (2) */
 static void on_segment(const jo_simplex *s, int i, int j, double *x)
@@ -108,11 +109,12 @@ static int reduce(jo_simplex *s)
     return 0;
 }
 
-/* vertex i, scaled about the centre */
-static void scaled(const jo_polytope *p, int i, double share, double *y)
+/* vertex i, or the place of a round shape farthest along n; scaled about the centre */
+static void scaled(const jo_polytope *p, int i, const double *n, double share, double *y)
 {
     double c[3];
-    jo_polytope_vertex(p, i, y);
+    if (p->round) jo_polytope_extreme(p, n, 0, y);
+    else jo_polytope_vertex(p, i, y);
     if (share == 1.0) return;
     jo_polytope_vertex(p, -1, c);
     for (int k = 0; k < 3; k++) y[k] = c[k] + share * (y[k] - c[k]);
@@ -125,11 +127,13 @@ static int known(const jo_simplex *s, int a, int b)
     return 0;
 }
 
-static void add(const jo_polytope *a, const jo_polytope *b, double share, jo_simplex *s, int ia, int ib)
+/* supports of a along n, of b against n */
+static void add(const jo_polytope *a, const jo_polytope *b, const double *n, double share, jo_simplex *s, int ia, int ib)
 {
+    const double back[3] = {-n[0], -n[1], -n[2]};
     double p[3], q[3];
-    scaled(a, ia, share, p);
-    scaled(b, ib, share, q);
+    scaled(a, ia, n, share, p);
+    scaled(b, ib, back, share, q);
     s->a[s->count] = ia;
     s->b[s->count] = ib;
     jo_minus3d(s->w[s->count++], q, p);
@@ -139,9 +143,12 @@ static void add(const jo_polytope *a, const jo_polytope *b, double share, jo_sim
 double jo_closest_points(const jo_polytope *a, const jo_polytope *b, double share, jo_simplex *s)
 {
     double size = 0.0, least = INFINITY;
+    const int round = a->round || b->round;   /* their supports have no number, and approach the closest points step by step */
+    const double enough = round ? JO_CLOSEST_START : JO_CLOSEST;
+    static const double first[3] = {0.6, 0.64, 0.48};
     jo_simplex best;
     s->count = 0;
-    add(a, b, share, s, 0, 0);
+    add(a, b, first, share, s, 0, 0);
     best = *s;
     for (int k = 0; k < JO_MAX_SUPPORTS; k++) {
         if (reduce(s)) return 0.0;
@@ -152,11 +159,11 @@ double jo_closest_points(const jo_polytope *a, const jo_polytope *b, double shar
         for (int i = 0; i < s->count; i++) size = fmax(size, sqrt(jo_dot3d(s->w[i], s->w[i])));
         if (!(distance > JO_CLOSEST * size)) return 0.0;
         const double back[3] = {-s->v[0], -s->v[1], -s->v[2]};
-        const int ia = jo_polytope_support(a, s->v, s->a[0]), ib = jo_polytope_support(b, back, s->b[0]);
-        if (known(s, ia, ib)) break;
-        add(a, b, share, s, ia, ib);
+        const int ia = a->round ? 0 : jo_polytope_support(a, s->v, s->a[0]), ib = b->round ? 0 : jo_polytope_support(b, back, s->b[0]);
+        if (!round && known(s, ia, ib)) break;
+        add(a, b, s->v, share, s, ia, ib);
         const double gain = square - jo_dot3d(s->v, s->w[s->count - 1]);
-        if (!(gain > JO_CLOSEST * (square + size * distance))) break;
+        if (!(gain > enough * (square + size * distance))) break;
     }
     *s = best;
     return least;

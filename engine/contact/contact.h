@@ -100,9 +100,12 @@ static inline int jo_closed_contacts(const jo_data *d) { return d->contacts.clos
 static inline jo_contact_matrix *jo_closed_contact(const jo_data *d, int i) { return &d->contacts.matrix[d->contacts.list[i]]; }
 
 /* Convex polytope with rounded edges: all points within a radius of it. A half-space has one face and no vertices, a point one vertex, a
- * segment two, without faces. r, R: its origin and axes in the frame in which two of them meet. */
+ * segment two, without faces. Round shapes are no polytopes: a cylinder, whose ends are faces, with vertices on both rims; an ellipsoid without
+ * vertices. r, R: its origin and axes in the frame in which two of them meet. */
+typedef enum { JO_NOT_ROUND, JO_ROUND_CYLINDER, JO_ROUND_ELLIPSOID } jo_roundness;
 typedef struct {
-    int vertices, faces;
+    int vertices, faces, round;
+    const jo_real *size;    /* (3) of a round shape: radius and half the length along z; half axes */
     const jo_real *centre, *vertex, *plane, *first, *corner, *near, *neighbour;   /* see polytope.c */
     jo_real radius;
     double r[3], R[9];
@@ -110,6 +113,10 @@ typedef struct {
 
 /* Features of a and of b that touch; kind: 3 times the dimension of that of a, plus that of b. Vertices, or a face. */
 typedef enum { JO_VERTEX_VERTEX = 0, JO_VERTEX_EDGE = 1, JO_VERTEX_FACE = 2, JO_EDGE_VERTEX = 3, JO_EDGE_EDGE = 4, JO_FACE_VERTEX = 6 } jo_feature_kind;
+/* Where one of the shapes is round, JO_ROUND_PAIR plus JO_PARTS times the part of a plus that of b. An edge with equal vertices is the side of a
+ * cylinder; the second number of a rim is its quarter from the lowest point over a face, else free numbers name a direction, see part.c. */
+typedef enum { JO_PART_VERTEX, JO_PART_EDGE, JO_PART_FACE, JO_PART_RIM, JO_PART_WHOLE, JO_PARTS } jo_part_kind;
+enum { JO_ROUND_PAIR = 9 };
 typedef struct { int kind, a[2], b[2]; } jo_feature_pair;
 enum { JO_MAX_VERTICES = 1024 };    /* vertices or faces of a polytope that a code can name */
 static inline double jo_feature_code(const jo_feature_pair *f)
@@ -129,12 +136,14 @@ static inline jo_feature_pair jo_feature_of(double code)
 typedef struct {
     int kind, rule[2];
     jo_real gap, normal[3], foot[3], u[2][3], dual[2][3], edge[3], across[3];
+    jo_real bend[2][9];     /* of round shapes, see round_feature.c */
 } jo_feature;
 
 /* Gap of two polytopes, m, without their radii, normal, and how it was found: face of a or b, vertices of two edges, closest points. vertex: of a
- * and of b, one of the closest points where they are apart */
-typedef enum { JO_CLOSEST_POINTS, JO_FACE_A, JO_FACE_B, JO_EDGES } jo_separation_kind;
-typedef struct { int kind, of[4], count[2], vertex[2]; double gap, normal[3]; } jo_separated;
+ * and of b, one of the closest points where they are apart. Of round shapes: `part` of each with the
+ * numbers in `of`, or a face; else the face near the direction, if there is one. */
+typedef enum { JO_CLOSEST_POINTS, JO_FACE_A, JO_FACE_B, JO_EDGES, JO_ROUND_PARTS } jo_separation_kind;
+typedef struct { int kind, of[4], count[2], vertex[2], round, part[2], near, near_face; double gap, normal[3]; } jo_separated;
 
 /* Corner of the area in which two faces touch: code of its features, share of a stiffness of a corner, place */
 typedef struct { double code, weight, at[3]; } jo_corner;
@@ -201,6 +210,14 @@ static inline int jo_has_contact_sets(const jo_data *d) { return d->contact_sets
 /* polytope.c */
 const jo_real *jo_polytope_read(const jo_real *data, jo_polytope *p);   /* returns the end of its data */
 void jo_polytope_place(jo_polytope *p, const jo_real *r, const jo_real *R);   /* NULL: at the origin */
+double jo_polytope_height(const jo_polytope *p, const double *n);   /* largest n . y, resolved in its own frame */
+double jo_polytope_reach(const jo_polytope *p);   /* largest distance of a place from its origin, m, less its radius */
+
+/* part.c */
+int jo_part_pair(const jo_feature_pair *f, int *part);   /* parts of both (2); 0: no shape is round */
+int jo_part_is_quarter(const jo_feature_pair *f);   /* whether it is a place of a rim beside the lowest one */
+double jo_part_height(const jo_polytope *p, int kind, const int *of, const double *n);   /* largest n . y of a part of a shape, in its own frame */
+int jo_same_parts(double code, double other);   /* whether two codes name the same features, but for the direction of a normal */
 
 /* feature.c */
 void jo_feature_at(const jo_polytope *A, const jo_polytope *B, const jo_real *r, const jo_real *R, jo_real code, jo_feature *y);
@@ -229,6 +246,9 @@ double jo_separation_at_least(const jo_polytope *a, const jo_polytope *b);
 
 /* corners.c */
 int jo_corners(const jo_polytope *a, const jo_polytope *b, const jo_separated *s, jo_corner *list);   /* their number, up to JO_CORNERS */
+
+/* round_corners.c */
+int jo_round_corners(const jo_polytope *a, const jo_polytope *b, const jo_separated *s, jo_corner *list);   /* the same where one is round */
 
 /* contact_rows.c */
 int jo_is_contact_set(const jo_force *f);

@@ -371,16 +371,13 @@ static int one_corner(const jo_polytope *a, const jo_separated *s, jo_corner *li
     return 1;
 }
 
-int jo_corners(const jo_polytope *a, const jo_polytope *b, const jo_separated *s, jo_corner *list)
+int jo_face_corners(const jo_polytope *own, const jo_polytope *other, int face, int of_b, jo_corner *list)
 {
-    const int several = s->kind == JO_CLOSEST_POINTS ? along_edges(a, b, s, list) : 0;
-    if (several) return several;
-    if (s->kind == JO_EDGES || s->kind == JO_CLOSEST_POINTS) return one_corner(a, s, list);
     area t;
-    t.of_b = s->kind == JO_FACE_B;
-    t.own = t.of_b ? b : a;
-    t.other = t.of_b ? a : b;
-    t.face = s->of[0];
+    t.own = own;
+    t.other = other;
+    t.face = face;
+    t.of_b = of_b;
     t.size = 0.0;
     jo_polytope_face(t.own, t.face, t.normal);
     for (int i = 0; i < t.other->vertices && i < 2; i++) {   /* any length of the other polytope, and more than 0 */
@@ -390,4 +387,13 @@ int jo_corners(const jo_polytope *a, const jo_polytope *b, const jo_separated *s
         t.size = fmax(t.size, length_between(p, c));
     }
     return corners_of_faces(&t, list);
+}
+
+int jo_corners(const jo_polytope *a, const jo_polytope *b, const jo_separated *s, jo_corner *list)
+{
+    const int several = s->kind == JO_CLOSEST_POINTS ? along_edges(a, b, s, list) : 0;
+    if (several) return several;
+    if (s->kind == JO_EDGES || s->kind == JO_CLOSEST_POINTS) return one_corner(a, s, list);
+    const int of_b = s->kind == JO_FACE_B;
+    return jo_face_corners(of_b ? b : a, of_b ? a : b, s->of[0], of_b, list);
 }

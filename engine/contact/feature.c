@@ -2,7 +2,7 @@
  *
  * n: unit normal from a to b; foot points p_b - p_a = g n; s: displacement of the material foot point of b. Then dg = n . s, and n turns by two
  * conditions u_i . dn in its tangent plane: 0 along an edge or face of a, u . (phi x n) along one of b, u . s / g where neither holds it. */
-#include "contact/polytope.h"
+#include "contact/round.h"
 
 enum { JO_FIXED_A, JO_FIXED_B, JO_FREE };
 #define JO_EDGES_CROSS 1e-20    /* square of the sine of the angle below which two edges do not cross */
@@ -104,6 +104,10 @@ void jo_feature_at(const jo_polytope *A, const jo_polytope *B, const jo_real *r,
     jo_real a[3], b[3] = {0.0}, e[3], k[3], w[3];
     const jo_feature_pair f = jo_feature_of(JO_RE(code));
     y->kind = f.kind;
+    if (f.kind >= JO_ROUND_PAIR) {
+        jo_round_feature_at(A, B, r, R, &f, y);
+        return;
+    }
     if (f.kind != JO_FACE_VERTEX) vertex(A, f.a[0], a);
     if (f.kind != JO_VERTEX_FACE) {
         jo_mul3(b, R, B->vertex + 3 * f.b[0]);
@@ -167,6 +171,10 @@ void jo_feature_around(jo_feature *y, jo_real *w, jo_real *e, double sign, const
 /* changes of gap, normal and foot point of a with a displacement x and rotation phi of b about its origin, where r is that origin */
 void jo_feature_change(const jo_feature *y, const jo_real *r, const jo_real *x, const jo_real *phi, jo_real *gap, jo_real *normal, jo_real *foot)
 {
+    if (y->kind >= JO_ROUND_PAIR) {
+        jo_round_feature_change(y, r, x, phi, gap, normal, foot);
+        return;
+    }
     jo_real arm[3], s[3], turn[3];
     for (int i = 0; i < 3; i++) arm[i] = y->foot[i] + y->gap * y->normal[i] - r[i];
     jo_cross(s, phi, arm);

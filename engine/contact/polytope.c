@@ -3,16 +3,18 @@
 
 enum { JO_FEW_VERTICES = 12 };   /* up to which the support is found by looking at all of them */
 
-/* data: numbers of vertices, faces, corners of faces and neighbours, radius, centre (3); vertices (3 each), planes (4 each: normal,
- * offset), first corner of each face and the end, corners (vertices, counterclockwise from outside), first neighbour of each vertex and the
- * end, neighbours */
+/* data: numbers of vertices, faces, corners of faces and neighbours, radius, centre (3), roundness and its sizes (3); vertices (3 each), planes (4
+ * each: normal, offset), first corner of each face and the end, corners (vertices, counterclockwise from outside), first neighbour of each vertex
+ * and the end, neighbours */
 const jo_real *jo_polytope_read(const jo_real *data, jo_polytope *p)
 {
     p->vertices = jo_whole(data[0]);
     p->faces = jo_whole(data[1]);
     p->radius = data[4];
     p->centre = data + 5;
-    p->vertex = data + 8;
+    p->round = jo_whole(data[8]);
+    p->size = data + 9;
+    p->vertex = data + 12;
     p->plane = p->vertex + 3 * p->vertices;
     p->first = p->plane + 4 * p->faces;
     p->corner = p->first + p->faces + 1;
@@ -82,4 +84,51 @@ int jo_polytope_corners(const jo_polytope *p, int face) { return jo_whole(p->fir
 int jo_polytope_corner(const jo_polytope *p, int face, int i)
 {
     return jo_whole(p->corner[jo_whole(p->first[face]) + i % jo_polytope_corners(p, face)]);
+}
+
+/* place of a round shape that is farthest along m, and its height there; resolved in its own frame */
+static double round_extreme(const jo_polytope *p, const double *m, double *y)
+{
+    const double a = JO_RE(p->size[0]), b = JO_RE(p->size[1]), c = JO_RE(p->size[2]);
+    if (p->round == JO_ROUND_ELLIPSOID) {
+        const double D[3] = {a * a, b * b, c * c}, h = sqrt(D[0] * m[0] * m[0] + D[1] * m[1] * m[1] + D[2] * m[2] * m[2]);
+        for (int i = 0; i < 3; i++) y[i] = D[i] * m[i] / h;
+        return h;
+    }
+    const double across = sqrt(m[0] * m[0] + m[1] * m[1]);
+    y[0] = across > 0.0 ? a * m[0] / across : a;
+    y[1] = across > 0.0 ? a * m[1] / across : 0.0;
+    y[2] = m[2] < 0.0 ? -b : b;
+    return a * across + y[2] * m[2];
+}
+
+int jo_polytope_extreme(const jo_polytope *p, const double *n, int from, double *y)
+{
+    if (!p->round) {
+        const int i = jo_polytope_support(p, n, from);
+        jo_polytope_vertex(p, i, y);
+        return i;
+    }
+    double m[3], x[3];
+    for (int i = 0; i < 3; i++) m[i] = p->R[i] * n[0] + p->R[3 + i] * n[1] + p->R[6 + i] * n[2];
+    round_extreme(p, m, x);
+    for (int i = 0; i < 3; i++) y[i] = p->r[i] + p->R[3 * i] * x[0] + p->R[3 * i + 1] * x[1] + p->R[3 * i + 2] * x[2];
+    return 0;
+}
+
+double jo_polytope_height(const jo_polytope *p, const double *n)
+{
+    double x[3], most = -INFINITY;
+    if (p->round) return round_extreme(p, n, x);
+    for (int i = 0; i < p->vertices; i++) most = fmax(most, along(p, n, i));
+    return most;
+}
+
+double jo_polytope_reach(const jo_polytope *p)
+{
+    double most = 0.0;
+    if (p->round == JO_ROUND_CYLINDER) return hypot(JO_RE(p->size[0]), JO_RE(p->size[1]));
+    for (int i = 0; i < 3 && p->round; i++) most = fmax(most, JO_RE(p->size[i]));
+    for (int i = 0; i < p->vertices && !p->round; i++) most = fmax(most, jo_length(p->vertex + 3 * i, 3));
+    return most;
 }

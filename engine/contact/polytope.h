@@ -30,11 +30,15 @@ static inline double jo_unit3d(double *n)
 void jo_polytope_vertex(const jo_polytope *p, int i, double *y);
 double jo_polytope_face(const jo_polytope *p, int i, double *n);   /* outward normal n; returns n . y of its plane */
 int jo_polytope_support(const jo_polytope *p, const double *n, int from);   /* vertex with the largest n . y; climbs from a vertex */
+int jo_polytope_extreme(const jo_polytope *p, const double *n, int from, double *y);   /* place y with the largest n . y, its vertex or 0 */
 int jo_polytope_corners(const jo_polytope *p, int face);   /* number of corners of a face */
 int jo_polytope_corner(const jo_polytope *p, int face, int i);   /* its vertex; i is taken in turn */
 
 /* closest_points.c */
 double jo_closest_points(const jo_polytope *a, const jo_polytope *b, double share, jo_simplex *s);
+
+/* corners.c: of the face of a polytope and another polytope; of_b: own is b. Their number */
+int jo_face_corners(const jo_polytope *own, const jo_polytope *other, int face, int of_b, jo_corner *list);
 
 /* feature.c: of a fixed surface a and the centre c of a sphere */
 void jo_feature_above(jo_feature *y, const jo_real *normal, jo_real gap, const jo_real *c);   /* over a plane */

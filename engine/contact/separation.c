@@ -4,6 +4,7 @@
  * s > 0 for the normal of a face or the product of two edges (Gottschalk, Lin, Manocha, SIGGRAPH 1996). Where they overlap, its largest value
  * is the signed distance. It is looked for near the closest points of smaller copies of both. */
 #include "contact/mesh.h"
+#include "contact/round.h"
 
 enum { JO_SMALLER = 5 };
 static const double smaller[JO_SMALLER] = {0.98, 0.9, 0.6, 0.2, 0.0};   /* scales about the centres, until the copies are apart */
@@ -206,7 +207,12 @@ static int differing(const int *of, int count, int *v)
 void jo_separation(const jo_polytope *a, const jo_polytope *b, const jo_separated *before, jo_separated *y)
 {
     jo_simplex s;
+    if (a->round || b->round) {
+        jo_round_separation(a, b, y);
+        return;
+    }
     y->kind = JO_CLOSEST_POINTS;
+    y->round = 0;
     for (int i = 0; i < 4; i++) y->of[i] = 0;
     for (int i = 0; i < 2; i++) y->count[i] = y->vertex[i] = 0;
     if (!a->vertices) {
@@ -253,6 +259,7 @@ int jo_still_separated(const jo_polytope *a, const jo_polytope *b, double code, 
     const double gap = JO_RE(g.gap);
     if (!(gap > 0.0 && gap < INFINITY)) return 0;
     for (int i = 0; i < 3; i++) back[i] = -(y->normal[i] = JO_RE(g.normal[i]));
+    y->round = 0;
     y->kind = f.kind == JO_FACE_VERTEX ? JO_FACE_A : f.kind == JO_VERTEX_FACE ? JO_FACE_B : JO_CLOSEST_POINTS;
     for (int i = 0; i < 2; i++) {
         y->of[i] = f.a[i];
@@ -273,6 +280,7 @@ int jo_still_separated(const jo_polytope *a, const jo_polytope *b, double code, 
 
 double jo_separation_code(const jo_separated *s)
 {
+    if (s->round) return 0.0;
     jo_feature_pair f = {3 * (s->count[0] > 1) + (s->count[1] > 1), {s->of[0], s->of[1]}, {s->of[2], s->of[3]}};
     if (s->kind == JO_CLOSEST_POINTS) return s->count[0] > 2 || s->count[1] > 2 ? 0.0 : jo_feature_code(&f);
     const int of_b = s->kind == JO_FACE_B;
@@ -296,8 +304,8 @@ double jo_separation_at_least(const jo_polytope *a, const jo_polytope *b)
     jo_minus3d(n, q, p);
     if (!(jo_unit3d(n) > 0.0)) return -INFINITY;
     const double back[3] = {-n[0], -n[1], -n[2]};
-    jo_polytope_vertex(a, jo_polytope_support(a, n, 0), p);
-    jo_polytope_vertex(b, jo_polytope_support(b, back, 0), q);
+    jo_polytope_extreme(a, n, 0, p);
+    jo_polytope_extreme(b, back, 0, q);
     jo_minus3d(p, q, p);
     return jo_dot3d(n, p);
 }

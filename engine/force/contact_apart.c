@@ -16,27 +16,17 @@
 #define JO_MORE_REACH 1.05   /* reach over the longest lever of a, which changes within a step */
 #define JO_FAR 2.0           /* gap over the way that vertices turn within a step from which on these are not looked at */
 
-/* largest distance of a vertex of b from its origin, m */
-static double reach_of_b(const jo_contact_pair_pose *p)
-{
-    double most = 0.0;
-    for (int i = 0; i < p->b.vertices; i++) most = fmax(most, jo_length(p->b.vertex + 3 * i, 3));
-    return most;
-}
+static double reach_of_b(const jo_contact_pair_pose *p) { return jo_polytope_reach(&p->b); }
 
-static void lever_of_a(const jo_contact_pair_pose *p, int i, jo_real *lever)
-{
-    for (int k = 0; k < 3; k++) lever[k] = p->a.vertex[3 * i + k] - p->r[k];
-}
-
-/* the same of a vertex of a from the origin of b; INFINITY for a surface or a half-space */
+/* largest distance of a vertex of a from the origin of b; INFINITY for a surface or a half-space */
 static double reach_of_a(const jo_contact_pair_pose *p)
 {
-    jo_real lever[3];
     double most = 0.0;
-    if (p->mesh.triangles || !p->a.vertices) return INFINITY;
+    if (p->mesh.triangles || (!p->a.vertices && !p->a.round)) return INFINITY;
+    if (p->a.round) return jo_length(p->r, 3) + jo_polytope_reach(&p->a);
     for (int i = 0; i < p->a.vertices; i++) {
-        lever_of_a(p, i, lever);
+        jo_real lever[3];
+        for (int k = 0; k < 3; k++) lever[k] = p->a.vertex[3 * i + k] - p->r[k];
         most = fmax(most, jo_length(lever, 3));
     }
     return most;
@@ -50,31 +40,43 @@ double jo_pair_reach(const jo_contact_pair_pose *p)
 
 static double along(const double *n, const jo_real *x) { return n[0] * JO_RE(x[0]) + n[1] * JO_RE(x[1]) + n[2] * JO_RE(x[2]); }
 
-/* lever of a vertex of b, or of a, in frame a; returns its height over the plane of the other polytope, but for a constant */
-static double height(const jo_contact_pair_pose *p, int of_a, const double *n, int i, jo_real *lever)
+/* Places of one of both shapes, of a part of it or of all (kind -1), that are in front of a plane of the other one. */
+typedef struct { const jo_contact_pair_pose *p; int of_a, kind; const int *of; } places;
+
+/* largest m . x among their levers x from the origin of b */
+static double highest(const places *t, const double *m)
 {
-    if (of_a) lever_of_a(p, i, lever);
-    else jo_mul3(lever, p->R, p->b.vertex + 3 * i);
-    return (of_a ? -1.0 : 1.0) * along(n, lever);
+    const jo_contact_pair_pose *p = t->p;
+    const jo_polytope *own = t->of_a ? &p->a : &p->b;
+    double local[3];
+    for (int i = 0; i < 3; i++) local[i] = t->of_a ? m[i] : JO_RE(p->R[i]) * m[0] + JO_RE(p->R[3 + i]) * m[1] + JO_RE(p->R[6 + i]) * m[2];
+    const double above = t->kind < 0 ? jo_polytope_height(own, local) : jo_part_height(own, t->kind, t->of, local);
+    return t->of_a ? above - along(m, p->r) : above;
 }
 
-/* lowest and highest rate of the vertices of one of them; bent: by how much the rate of a vertex may change per unit of time, m/s2 */
-static void rates_of_vertices(const jo_contact_pair_pose *p, int of_a, const double *n, double bent, jo_approach *to)
+/* Lowest and highest rate of these places; bent: by how much the rate of one may change per unit of time, m/s2. With u = n x w, c_i = n . v + u . x_i:
+ * both extremes are heights along other directions. */
+static void rates_of(const places *t, const double *n, double bent, jo_approach *to)
 {
-    const int count = of_a ? p->a.vertices : p->b.vertices;
-    const double h = to->within, rate_of_origin = along(n, p->v);
-    double least = INFINITY, low = INFINITY, high = -INFINITY;
-    jo_real lever[3], v[3];
-    for (int i = 0; i < count; i++) least = fmin(least, height(p, of_a, n, i, lever));
-    for (int i = 0; i < count; i++) {
-        const double above = (height(p, of_a, n, i, lever) - least) / h;
-        jo_cross(v, p->w, lever);
-        const double rate = rate_of_origin + along(n, v);
-        low = fmin(low, rate + above);
-        high = fmax(high, rate - above);
+    const jo_contact_pair_pose *p = t->p;
+    const double h = to->within, rate_of_origin = along(n, p->v), sign = t->of_a ? 1.0 : -1.0;
+    double out[3], low[3], high[3];
+    for (int i = 0; i < 3; i++) {
+        const double u = n[(i + 1) % 3] * JO_RE(p->w[(i + 2) % 3]) - n[(i + 2) % 3] * JO_RE(p->w[(i + 1) % 3]);
+        out[i] = sign * n[i];
+        low[i] = out[i] / h - u;
+        high[i] = out[i] / h + u;
     }
-    to->rate = fmax(to->rate, low - bent * h);
-    to->highest = fmin(to->highest, high + bent * h);
+    const double most = highest(t, out) / h;
+    to->rate = fmax(to->rate, rate_of_origin - (highest(t, low) - most) - bent * h);
+    to->highest = fmin(to->highest, rate_of_origin + (highest(t, high) - most) + bent * h);
+}
+
+/* by how much the rate of a place of b, or of a, may change per unit of time, m/s2 */
+static double bent_by(const jo_contact_pair_pose *p, int of_a, double reach)
+{
+    const double spin = jo_length(p->w, 3);
+    return of_a ? spin * (2.0 * jo_length(p->v, 3) + spin * reach) : spin * spin * reach_of_b(p);
 }
 
 /* lowest and highest rate of the gap */
@@ -84,8 +86,9 @@ static void rates(const jo_contact_pair_pose *p, const double *n, double reach, 
     to->rate = rate_of_origin - turning;
     to->highest = rate_of_origin + turning;
     if (!(h < INFINITY) || !(turning > 0.0) || to->gap > JO_FAR * h * (fabs(rate_of_origin) + turning)) return;
-    rates_of_vertices(p, 0, n, spin * turning, to);
-    if (reach_of_a(p) <= reach) rates_of_vertices(p, 1, n, spin * (2.0 * jo_length(p->v, 3) + spin * reach), to);
+    const places b = {p, 0, -1, 0}, a = {p, 1, -1, 0};
+    rates_of(&b, n, bent_by(p, 0, reach), to);
+    if (reach_of_a(p) <= reach) rates_of(&a, n, bent_by(p, 1, reach), to);
 }
 
 /* a depth that the coordinates do not show is none */
@@ -106,6 +109,21 @@ void jo_pair_approach_along(const jo_contact_pair_pose *p, const double *n, doub
     jo_pair_approach_speeds(p, reach, to);
     to->gap += jo_pair_round_off(p);
     rates(p, n, reach, to);
+}
+
+void jo_pair_approach_part(const jo_contact_pair_pose *p, double code, const double *n, jo_approach *to)
+{
+    const jo_feature_pair f = jo_feature_of(code);
+    int part[2];
+    jo_part_pair(&f, part);
+    const int of_a = part[1] == JO_PART_FACE;
+    const places some = {p, of_a, part[1 - of_a], of_a ? f.a : f.b};
+    const double reach = of_a ? reach_of_a(p) : reach_of_b(p), turning = jo_length(p->w, 3) * reach, rate_of_origin = along(n, p->v);
+    to->rate = rate_of_origin - turning;
+    to->highest = rate_of_origin + turning;
+    to->convex = 1;
+    to->curvature = INFINITY;
+    if (to->within < INFINITY && turning > 0.0) rates_of(&some, n, bent_by(p, of_a, reach), to);
 }
 
 void jo_pair_approach_apart(const jo_contact_pair_pose *p, const jo_separated *s, double gap, double reach, jo_approach *to)

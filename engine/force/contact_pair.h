@@ -27,6 +27,8 @@ double jo_pair_round_off(const jo_contact_pair_pose *p);   /* of the gap, m */
 void jo_pair_approach_speeds(const jo_contact_pair_pose *p, double reach, jo_approach *to);   /* velocities that no point within reach exceeds */
 /* and rates above a plane with the normal n */
 void jo_pair_approach_along(const jo_contact_pair_pose *p, const double *n, double reach, jo_approach *to);
+/* of a point with this code between parts of which one is round, but for a quarter of a rim */
+void jo_pair_approach_part(const jo_contact_pair_pose *p, double code, const double *n, jo_approach *to);
 void jo_pair_approach_apart(const jo_contact_pair_pose *p, const jo_separated *s, double gap, double reach, jo_approach *to);   /* of two polytopes */
 
 /* contact_mesh.c */

@@ -51,6 +51,8 @@ static void read_motion(const jo_model *m, const jo_data *d, const jo_force *f, 
     jo_relative_velocity(m, d, f, p->v, p->w);
 }
 
+static int is_round(const pair *p) { return !p->mesh.triangles && (p->a.round || p->b.round); }
+
 /* signed distance, m, from the face `before` if it is given */
 static double separate_from(pair *p, const jo_separated *before, jo_separated *s)
 {
@@ -69,7 +71,7 @@ static double separate_from(pair *p, const jo_separated *before, jo_separated *s
  * distance of their planes and lines is smaller than that of the shapes */
 static double separate(pair *p, const jo_real *state, jo_separated *s)
 {
-    const double code = p->mesh.triangles ? 0.0 : fabs(JO_RE(state[JO_PAIR_CODE]));
+    const double code = p->mesh.triangles || is_round(p) ? 0.0 : fabs(JO_RE(state[JO_PAIR_CODE]));
     jo_polytope_place(&p->a, 0, 0);
     jo_polytope_place(&p->b, p->r, p->R);
     if (code > 0.0 && jo_still_separated(&p->a, &p->b, code, p->r, p->R, s) && s->gap > jo_pair_radii(p)) return s->gap - jo_pair_radii(p);
@@ -227,7 +229,7 @@ static void continue_states(const jo_force *f, const pair *p, const jo_corner *c
     point t;
     for (int i = 0; i < jo_pair_points(f); i++, old += JO_PAIR_STATES) {
         double distance = 0.0;
-        if (jo_pair_is_listed(old) && JO_RE(old[JO_PAIR_CODE]) == corner->code) {
+        if (jo_pair_is_listed(old) && jo_same_parts(JO_RE(old[JO_PAIR_CODE]), corner->code)) {
             from = old;
             break;
         }
@@ -239,7 +241,7 @@ static void continue_states(const jo_force *f, const pair *p, const jo_corner *c
         from = old;
     }
     for (int k = 0; from && k < JO_PAIR_STATES; k++) state[k] = from[k];
-    const int same = from && JO_RE(from[JO_PAIR_CODE]) == corner->code && fabs(JO_RE(from[JO_PAIR_WEIGHT]) - corner->weight) < JO_SAME_WEIGHT;
+    const int same = from && jo_same_parts(JO_RE(from[JO_PAIR_CODE]), corner->code) && fabs(JO_RE(from[JO_PAIR_WEIGHT]) - corner->weight) < JO_SAME_WEIGHT;
     state[JO_PAIR_CODE] = jo_same(corner->code);
     if (!same) state[JO_PAIR_WEIGHT] = jo_same(corner->weight);
 }
@@ -247,7 +249,8 @@ static void continue_states(const jo_force *f, const pair *p, const jo_corner *c
 /* the face of a listed point, from which the search may start */
 static jo_separated face_of(const jo_force *f, const jo_real *state)
 {
-    jo_separated y = {JO_CLOSEST_POINTS, {0, 0, 0, 0}, {0, 0}, {0, 0}, 0.0, {0.0, 0.0, 0.0}};
+    static const jo_separated none = {.kind = JO_CLOSEST_POINTS};
+    jo_separated y = none;
     for (int i = 0; i < jo_pair_points(f) && y.kind == JO_CLOSEST_POINTS; i++, state += JO_PAIR_STATES) {
         if (!jo_pair_is_listed(state)) continue;
         const jo_feature_pair of = jo_feature_of(JO_RE(state[JO_PAIR_CODE]));
@@ -265,7 +268,7 @@ static void list_corners(const jo_force *f, pair *p, const jo_real *state, jo_re
     jo_corner corner[JO_CORNERS];
     const jo_separated before = face_of(f, state);
     const double gap = before.kind == JO_CLOSEST_POINTS ? separate(p, state, &s) : separate_from(p, &before, &s);
-    const int found = gap < 0.0 ? jo_corners(&p->a, &p->b, &s, corner) : 0;
+    const int found = !(gap < 0.0) ? 0 : is_round(p) ? jo_round_corners(&p->a, &p->b, &s, corner) : jo_corners(&p->a, &p->b, &s, corner);
     for (int i = 0; i < found && i < jo_pair_points(f); i++) continue_states(f, p, corner + i, state, next + JO_PAIR_STATES * i);
     if (!found && s.gap > 0.0) next[JO_PAIR_CODE] = jo_same(-jo_separation_code(&s));
 }
@@ -383,9 +386,19 @@ static double bending(const pair *p, const jo_feature *g, const jo_approach *to)
 {
     const double spin = jo_length(p->w, 3), turning = spin > 0.0 ? 3.0 * spin / jo_approach_speed(to) : 0.0, radius = jo_pair_radii(p);
     if (g->kind == JO_FACE_VERTEX || g->kind == JO_VERTEX_FACE) return turning;
+    if (g->kind >= JO_ROUND_PAIR) return turning;
     if (g->kind != JO_EDGE_EDGE) return radius > 0.0 ? turning + 1.0 / radius : INFINITY;
     const double sine = fabs(JO_RE(jo_dot3(g->edge, g->across))) - spin * to->within;
     return sine > 0.0 ? turning / sine : INFINITY;
+}
+
+/* The lowest place of a round part, that which is nearest to the other shape, changes as it turns; the height of another quarter of a rim is a
+ * convex function of the tilt, so that its rate does not fall by that. */
+static void approach_round(const pair *p, double code, const jo_feature *g, jo_approach *to)
+{
+    const jo_feature_pair f = jo_feature_of(code);
+    const double n[3] = {JO_RE(g->normal[0]), JO_RE(g->normal[1]), JO_RE(g->normal[2])};
+    if (!jo_part_is_quarter(&f)) jo_pair_approach_part(p, code, n, to);
 }
 
 /* of the nearest point of the list that does not touch, on its face */
@@ -420,6 +433,7 @@ static int approach(const jo_model *m, const jo_data *d, const jo_force *f, jo_a
     if (!(to->gap < INFINITY)) return 0;
     jo_pair_approach_speeds(&p, *reach, to);
     to->curvature = bending(&p, &nearest, to);
+    if (nearest.kind >= JO_ROUND_PAIR) approach_round(&p, JO_RE(states(d, f)[JO_PAIR_STATES * to->face + JO_PAIR_CODE]), &nearest, to);
     to->gap = fmax(to->gap, 0.0) + jo_pair_round_off(&p);   /* one that an impulse has opened again is below 0 by the resolution of its instant */
     return 1;
 }
@@ -429,7 +443,7 @@ static int jumps(const jo_force *f, const jo_real *before, const jo_real *after)
 {
     for (int i = 0; i < jo_pair_points(f); i++, before += JO_PAIR_STATES, after += JO_PAIR_STATES) {
         if (!jo_pair_is_listed(before) && !jo_pair_is_listed(after)) continue;
-        if (JO_RE(before[JO_PAIR_CODE]) != JO_RE(after[JO_PAIR_CODE]) || JO_RE(before[JO_PAIR_WEIGHT]) != JO_RE(after[JO_PAIR_WEIGHT])) return 1;
+        if (!jo_same_parts(JO_RE(before[JO_PAIR_CODE]), JO_RE(after[JO_PAIR_CODE])) || JO_RE(before[JO_PAIR_WEIGHT]) != JO_RE(after[JO_PAIR_WEIGHT])) return 1;
         if (jo_contact_phase(before) != jo_contact_phase(after)) return 1;
     }
     return 0;

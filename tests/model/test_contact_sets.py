@@ -16,13 +16,13 @@ from jousto.mechanism import (
     Contact,
     Contacts,
     Cuboid,
-    Cylinder,
     HalfSpace,
     PowerLaw,
     Sphere,
     SpringDamper,
     Surface,
     SurfacePair,
+    Torus,
 )
 from jousto.mechanism.contacts.pair_tables import joined_bodies
 
@@ -354,7 +354,7 @@ def test_invalid_sets_are_refused(options, words):
 def test_kinds_that_cannot_touch_are_refused():
     a, b = heap()[:2]
     shapes = [
-        CollisionShape("a", a["origin"], Cylinder(0.1, 0.1), group="a"),
+        CollisionShape("a", a["origin"], Torus(0.1, 0.02), group="a"),
         CollisionShape("b", b["origin"], Cuboid((0.1, 0.1, 0.1)), group="b"),
     ]
     with pytest.raises(jo.InputError, match="cannot touch in this version"):

@@ -214,7 +214,6 @@ def test_condim_and_all_numbers_of_friction(tmp_path, condim, mu, lengths):
     ("words", "said"),
     [
         ('margin="0.01" solref="0.02 1"', "margin, solref of the file are not read"),
-        ('type="ellipsoid"', "pass through each other: ellipsoid - ellipsoid"),
     ],
 )
 def test_what_is_not_read_is_said(tmp_path, words, said):

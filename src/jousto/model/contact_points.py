@@ -16,7 +16,10 @@ from jousto.model.native.native import Engine
 PHASES = ("apart", "sticks", "slips", "slips", "apart", "no friction")
 """Phases of a contact as the engine numbers them; the second "slips" does within the present step,
 the second "apart" after an impulse."""
-KINDS = ("vertex", "edge", "face")
+KINDS = ("vertex", "edge", "face", "rim", "surface")
+"""Parts of shapes (``jo_part_kind``)."""
+ROUND = 9
+"""First number of a pair of parts with a round shape (``JO_ROUND_PAIR``)."""
 SIDES = 3
 """Sides of a triangle (``JO_MESH_SIDES``)."""
 BASE = 1024
@@ -160,11 +163,15 @@ def features_of(code: float) -> str:
     for _ in range(4):
         number, part = divmod(number, BASE)
         parts.insert(0, part)
-    a, b = divmod(number, 3)
-    both = []
-    for kind, (first, second) in ((a, parts[:2]), (b, parts[2:])):
-        both.append(f"{KINDS[kind]} {first}" + (f"-{second}" if KINDS[kind] == "edge" else ""))
-    return ", ".join(both)
+    a, b = divmod(number, 3) if number < ROUND else divmod(number - ROUND, len(KINDS))
+    return f"{_part(KINDS[a], *parts[:2])}, {_part(KINDS[b], *parts[2:])}"
+
+
+def _part(kind: str, first: int, second: int) -> str:
+    """Return the name of a part of a shape; the side of a cylinder is an edge with equal ends."""
+    if kind == "edge":
+        return f"edge {first}-{second}" if first != second else "side"
+    return kind if kind == "surface" else f"{kind} {first}"
 
 
 def _pressure(model: Model, rows: Any, i: int) -> float:

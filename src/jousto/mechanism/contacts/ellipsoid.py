@@ -1,4 +1,4 @@
-"""Ellipsoid that spheres and half-spaces touch."""
+"""Ellipsoid that touches other convex shapes."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from jousto.base.arrays import Array
 from jousto.base.fields import field
 from jousto.base.object_repr import described
 from jousto.mechanism.bodies.shapes import Lengths, sphere
+from jousto.mechanism.contacts.polytopes import ELLIPSOID, Polytope
 from jousto.mechanism.contacts.shapes import Shape, Tip
 
 
@@ -27,6 +28,11 @@ class Ellipsoid(Shape, tag="ellipsoid"):
     def tips(self) -> tuple[Tip, ...]:
         """Its lowest point over a half-space."""
         return (Tip((0.0, 0.0, 0.0), 0.0, axes=self.size),)
+
+    @property
+    def polytope(self) -> Polytope:
+        """The ellipsoid as a round shape."""
+        return Polytope(np.zeros((0, 3)), round=ELLIPSOID, size=self.size)
 
     @property
     def reach(self) -> float:

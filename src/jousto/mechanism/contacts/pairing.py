@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jousto.base.errors import Problems
-from jousto.mechanism.contacts.polytopes import too_fine
+from jousto.mechanism.contacts.polytopes import Polytope, too_fine
 from jousto.mechanism.contacts.shapes import Shape
 
 POINTS = 8
@@ -13,22 +13,32 @@ POINTS_OF_SPHERE = 4
 
 
 def paired(on: Shape, of: Shape) -> bool:
-    """Return whether a polytope `of` touches the polytope, half-space or surface `on` in points."""
+    """Return whether `of` touches `on` in points: convex shapes, half-spaces, surfaces.
+
+    A round shape touches neither surfaces of triangles nor, in this way, half-spaces.
+    """
     if of.hollow:
         return False
     if of.mesh is not None:  # by its hull
         return on.hollow and on.polytope is not None
-    return of.polytope is not None and (on.mesh is not None or on.polytope is not None)
+    if of.polytope is None or on.mesh is not None:
+        return of.polytope is not None and not of.polytope.round
+    return on.polytope is not None and (not on.hollow or not of.polytope.round)
 
 
 def most_points(on: Shape, of: Shape) -> int:
     """Return the largest number of points at which two shapes touch, for which `paired` is true."""
     assert of.polytope is not None
-    own = POINTS if of.polytope.faces else len(of.polytope.vertices)
+    own = _points_of(of.polytope)
     if on.mesh is not None:
         return min(POINTS, POINTS_OF_SPHERE * own)
     assert on.polytope is not None
-    return min(own, POINTS if on.polytope.faces else len(on.polytope.vertices))
+    return min(own, _points_of(on.polytope))
+
+
+def _points_of(shape: Polytope) -> int:
+    """Return the largest number of points of a shape; an ellipsoid touches at one."""
+    return POINTS if shape.faces else max(1, len(shape.vertices))
 
 
 def check_pair(problems: Problems, where: str, on: Shape, of: Shape) -> None:

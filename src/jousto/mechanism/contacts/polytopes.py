@@ -15,6 +15,10 @@ MOST_VERTICES = 1000
 """Vertices, and faces, of a hull that the engine distinguishes (``JO_MAX_VERTICES``)."""
 MOST_CORNERS = 64
 """Corners of a face that the engine cuts (half of ``JO_ROOM`` in ``corners.c``)."""
+CYLINDER, ELLIPSOID = 1, 2
+"""Numbers of ``jo_roundness`` of the engine."""
+BORDER = 16
+"""Corners of the polygon that the end of a cylinder is over the border of a face."""
 FLAT = 1e-9
 """Thickness over size below which points are in one plane."""
 SAME_PLANE = 1e-7
@@ -23,7 +27,7 @@ SAME_PLANE = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class Polytope:
-    """Convex polytope with rounded edges: all places within `radius` of it.
+    """Convex polytope with rounded edges: all places within `radius` of it; or a round shape.
 
     Attributes
     ----------
@@ -33,11 +37,18 @@ class Polytope:
         Vertices of each face, counterclockwise seen from outside. Points and segments have none.
     radius : float
         m.
+    round : int
+        Number of a round shape in ``jo_roundness`` of the engine: `CYLINDER`, `ELLIPSOID`;
+        0 for a polytope. Vertices and faces of a cylinder are polygons within its ends.
+    size : tuple of float
+        Radius and half the length, or half axes, of a round shape, m.
     """
 
     vertices: Array
     faces: tuple[tuple[int, ...], ...] = ()
     radius: float = 0.0
+    round: int = 0
+    size: tuple[float, ...] = ()
 
     @cached_property
     def planes(self) -> Array:
@@ -55,6 +66,11 @@ class Polytope:
     def neighbours(self) -> list[list[int]]:
         """Vertices at the other end of the edges of each vertex."""
         found: list[set[int]] = [set() for _ in self.vertices]
+        if self.round and len(self.vertices):  # along the side of a cylinder
+            half = len(found) // 2
+            for i in range(half):
+                found[i].add(i + half)
+                found[i + half].add(i)
         for face in self.faces:
             for i, j in zip(face, face[1:] + face[:1], strict=True):
                 found[i].add(j)
@@ -72,6 +88,7 @@ class Polytope:
             [
                 [len(self.vertices), len(self.faces), len(corners), len(near), self.radius],
                 self.vertices.mean(axis=0) if len(self.vertices) else np.zeros(3),
+                [self.round, *(*self.size, 0.0, 0.0, 0.0)[:3]],
                 self.vertices.ravel(),
                 self.planes.ravel(),
                 _starts(self.faces),
@@ -91,6 +108,15 @@ def half_space() -> Polytope:
     plane = Polytope(np.zeros((0, 3)), ((),))
     plane.__dict__["planes"] = np.array([[0.0, 0.0, 1.0, 0.0]])
     return plane
+
+
+def round_cylinder(radius: float, half: float) -> Polytope:
+    """Return a cylinder about z with these sizes, m."""
+    angle = np.arange(BORDER) * (2.0 * np.pi / BORDER)
+    rim = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(BORDER, half)], axis=1)
+    ends = np.concatenate([rim * (1.0, 1.0, -1.0), rim])
+    low, high = tuple(range(BORDER))[::-1], tuple(range(BORDER, 2 * BORDER))
+    return Polytope(ends, (low, high), round=CYLINDER, size=(radius, half))
 
 
 def hull(points: Array, radius: float = 0.0, flat: float = 0.0) -> Polytope:

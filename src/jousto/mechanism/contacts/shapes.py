@@ -22,6 +22,7 @@ from jousto.mechanism.contacts.polytopes import (
     Polytope,
     half_space,
     hull,
+    round_cylinder,
     too_fine,
 )
 from jousto.mechanism.contacts.triangles import Triangles
@@ -267,7 +268,7 @@ class Cuboid(Shape, tag="cuboid"):
         x, y, z = self.size
         return tuple(Tip((i * x, j * y, k * z), 0.0) for i, j, k in product((-1, 1), repeat=3))
 
-    @property
+    @cached_property
     def polytope(self) -> Polytope:
         """Its corners, edges and faces."""
         return hull(np.array([tip.centre for tip in self.tips]))
@@ -298,6 +299,11 @@ class Cylinder(Shape, tag="cylinder"):
         return tuple(
             Tip((0.0, 0.0, z), 0.0, self.radius, a) for a in quarters for z in (-half, half)
         )
+
+    @cached_property
+    def polytope(self) -> Polytope:
+        """The cylinder as a round shape."""
+        return round_cylinder(*self.size)
 
     @property
     def triangles(self) -> Array:

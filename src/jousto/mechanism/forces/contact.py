@@ -94,8 +94,9 @@ class Contact(ForceElement, tag="contact"):
     """Two shapes touch: a normal force with restitution, and friction that sticks without creep.
 
     Shapes are fixed to markers of any bodies. A sphere (or a point) touches every shape; cuboids,
-    hulls and capsules touch each other and half-spaces, and surfaces of triangles by their corners;
-    tips of a capsule or cuboid touch hollow shapes, and the rim of a torus a half-space. The depth
+    hulls, capsules, cylinders and ellipsoids touch each other and half-spaces, the first three also
+    surfaces of triangles by their corners; tips of a capsule or cuboid touch hollow shapes, and the
+    rim of a torus a half-space. The depth
     d of the overlap gives the normal force by the law. Both bodies receive it at one common point,
     in the middle of the overlap, so that momentum is kept exactly.
 
@@ -106,7 +107,8 @@ class Contact(ForceElement, tag="contact"):
 
     Two faces touch at the corners of the area that they share, up to 8. Each has the law, times a
     weight: 1 at each of four corners of a whole rectangular face; the sum of the weights follows
-    the area, and their centre is the centre of the area.
+    the area, and their centre is the centre of the area. A cylinder that stands on a face touches
+    it at four points of its rim, which turn with the lowest one; lying, at both ends of its side.
 
     Friction acts through a bristle, a spring of stiffness ``shear dN/dd`` in the contact plane that
     breaks at ``mu_static N``; then the friction is ``mu_kinetic N`` against the slip, in the
@@ -188,9 +190,10 @@ class Contact(ForceElement, tag="contact"):
             problems.add(
                 where,
                 f"{self.shape_a.tag} and {self.shape_b.tag} cannot touch in this version: a sphere "
-                "touches every shape; cuboid, capsule and convex-hull touch each other, "
-                "half-spaces and, by their vertices, triangle-mesh and height-field; cuboid and "
-                "capsule touch hollow spheres and bores, a torus half-spaces",
+                "touches every shape; cuboid, capsule, convex-hull, cylinder and ellipsoid touch "
+                "each other and half-spaces, the first three also, by their vertices, "
+                "triangle-mesh and height-field; cuboid and capsule touch hollow spheres and "
+                "bores; a torus, which has a hole, only half-spaces",
                 "shape_b",
             )
         elif self._tips is None:

@@ -25,8 +25,9 @@ def shape_distance(
     Parameters
     ----------
     shape_a, shape_b : Shape
-        Sphere, capsule, cuboid or convex hull; `shape_a` may be a half-space, a triangle mesh or a
-        height field, from which the spheres or corners of `shape_b` have their distance.
+        Sphere, capsule, cuboid, convex hull, cylinder or ellipsoid; `shape_a` may be a half-space,
+        a triangle mesh or a height field, from which the spheres or corners of `shape_b` have
+        their distance.
     position : (3,) array_like
         Position of the frame of b in the frame of a, m.
     rotation : (3, 3) array_like
@@ -47,7 +48,9 @@ def shape_distance(
     for key, shape, found in (("shape_a", shape_a, a), ("shape_b", shape_b, b)):
         if found is None or (key == "shape_b" and shape.hollow):
             problems.add(
-                "distance", f"{key} is a {shape.tag}; sphere, capsule, cuboid and hull work"
+                "distance",
+                f"{key} is a {shape.tag}; sphere, capsule, cuboid, hull, cylinder and "
+                "ellipsoid work",
             )
     problems.raise_if_any()
     assert a is not None and b is not None
