@@ -219,6 +219,10 @@ int jo_part_is_quarter(const jo_feature_pair *f);   /* whether it is a place of 
 double jo_part_height(const jo_polytope *p, int kind, const int *of, const double *n);   /* largest n . y of a part of a shape, in its own frame */
 int jo_same_parts(double code, double other);   /* whether two codes name the same features, but for the direction of a normal */
 
+/* round_feature.c */
+/* sum of the mean curvatures of two shapes at a point with this code, 1/m; 0: of no round shape. edge: that of edges and corners of each (2) */
+double jo_round_curvature(const jo_polytope *A, const jo_polytope *B, const jo_real *r, const jo_real *R, double code, const jo_real *edge);
+
 /* feature.c */
 void jo_feature_at(const jo_polytope *A, const jo_polytope *B, const jo_real *r, const jo_real *R, jo_real code, jo_feature *y);
 void jo_feature_change(const jo_feature *y, const jo_real *r, const jo_real *x, const jo_real *phi, jo_real *gap, jo_real *normal, jo_real *foot);

@@ -90,6 +90,10 @@ static void bind(const jo_contact_rows *y, const jo_force *f, jo_bound *b)
     if (pair) {
         b->polytope[0] = polytope_of(y, on, 1);
         b->polytope[1] = polytope_of(y, of, 0);
+        const jo_law_row *law = &y->law[(int)JO_RE(on->surface) * y->surfaces + (int)JO_RE(of->surface)];
+        b->curvature[0] = on->curvature[1];
+        b->curvature[1] = of->curvature[1];
+        b->polytope[2] = JO_RE(law->hertz) > 0.0 ? b->curvature : 0;
         b->force.user = b->polytope;
         return;
     }

@@ -47,8 +47,9 @@ typedef struct jo_contact_search {
     int *place, places;     /* slots by the hash of their pair */
 } jo_contact_search;
 
-/* The contact of a slot: its pair, the force that computes it, and the numbers of both polytopes, to which force.user points. */
-typedef struct jo_bound { int on, tip; jo_force force; jo_contact_data data; const jo_real *polytope[2]; } jo_bound;
+/* The contact of a slot: its pair, the force that computes it, and, to which force.user points, the numbers of both polytopes
+ * and, for Hertz's law, the curvatures that it has (2), else 0. */
+typedef struct jo_bound { int on, tip; jo_force force; jo_contact_data data; const jo_real *polytope[3]; jo_real curvature[2]; } jo_bound;
 
 jo_contact_rows jo_contact_rows_of(const jo_force *set);
 double jo_shape_gap(const jo_contact_rows *y, const jo_data *d, int on, const jo_real *place);   /* distance of a place, world, from a shape, m */

@@ -9,6 +9,7 @@
 
 enum { JO_TURNS = 40, JO_CODED = 1024 };    /* turns of Newton's method, some 4; numbers of a direction in a code */
 #define JO_SMALL_TURN 1e-7      /* rad, after which the next turn is exact */
+#define JO_CLEARLY 0.999        /* share of a component of a direction up to which another one is smaller */
 #define JO_LARGEST_TURN 0.4     /* rad */
 #define JO_CROSSED 1e-10       /* sine of the angle below which two edges do not cross, or an edge is along a direction */
 #define JO_STANDS 1e-9          /* tilt, rad, below which the quarters of a rim do not follow its lowest point, as in contact_tip.c */
@@ -48,13 +49,13 @@ static void unit(jo_real *x)
     for (int i = 0; i < 3; i++) x[i] /= size;
 }
 
-/* two unit vectors across n */
+/* two unit vectors across n; round-off of n does not change which ones */
 static void across(const jo_real *n, jo_real *t, jo_real *b)
 {
     jo_real e[3] = {0.0, 0.0, 0.0};
     int least = 0;
     for (int i = 1; i < 3; i++)
-        if (fabs(JO_RE(n[i])) < fabs(JO_RE(n[least]))) least = i;
+        if (fabs(JO_RE(n[i])) < JO_CLEARLY * fabs(JO_RE(n[least])) - JO_CROSSED) least = i;
     e[least] = jo_same(1.0);
     jo_cross(t, n, e);
     unit(t);

@@ -119,3 +119,25 @@ void jo_round_feature_change(const jo_feature *y, const jo_real *r, const jo_rea
         jo_axpy3(foot, jo_dot3(apart, y->across) / jo_dot3(y->edge, y->across), y->edge);
     }
 }
+
+/* mean curvature of a part: of an ellipsoid (r_1 + r_2) / (2 r_1 r_2), with the radii in W */
+static double curvature_of(int kind, const int *of, const jo_polytope *p, const jo_real *W, double edge)
+{
+    if (kind == JO_PART_FACE) return 0.0;
+    if (kind == JO_PART_EDGE && of[0] == of[1]) return 0.5 / JO_RE(p->size[0]);
+    if (kind != JO_PART_WHOLE) return edge;
+    double sum = 0.0, squares = 0.0;
+    for (int i = 0; i < 3; i++) sum += JO_RE(W[4 * i]);
+    for (int i = 0; i < 9; i++) squares += JO_RE(W[i]) * JO_RE(W[i]);
+    return sum / (sum * sum - squares);
+}
+
+double jo_round_curvature(const jo_polytope *A, const jo_polytope *B, const jo_real *r, const jo_real *R, double code, const jo_real *edge)
+{
+    const jo_feature_pair f = jo_feature_of(code);
+    jo_feature y;
+    int part[2];
+    if (!jo_part_pair(&f, part)) return 0.0;
+    jo_round_feature_at(A, B, r, R, &f, &y);
+    return curvature_of(part[0], f.a, A, y.bend[0], JO_RE(edge[0])) + curvature_of(part[1], f.b, B, y.bend[1], JO_RE(edge[1]));
+}

@@ -261,6 +261,16 @@ static jo_separated face_of(const jo_force *f, const jo_real *state)
     return y;
 }
 
+/* Hertz's stiffness of round shapes is that of their curvature at the point; that of the law is with the curvature of edges. */
+static void adapt(const jo_force *f, const pair *p, jo_corner *corner, int count)
+{
+    const jo_real *const *bound = (const jo_real *const *)f->user, *edge = bound ? bound[2] : 0;
+    for (int i = 0; i < count && edge && is_round(p); i++) {
+        const double curvature = jo_round_curvature(&p->a, &p->b, p->r, p->R, corner[i].code, edge);
+        if (curvature > 0.0) corner[i].weight *= sqrt(JO_RE(edge[0] + edge[1]) / curvature);
+    }
+}
+
 /* points of two polytopes with the states that continue those in `state` */
 static void list_corners(const jo_force *f, pair *p, const jo_real *state, jo_real *next)
 {
@@ -269,6 +279,7 @@ static void list_corners(const jo_force *f, pair *p, const jo_real *state, jo_re
     const jo_separated before = face_of(f, state);
     const double gap = before.kind == JO_CLOSEST_POINTS ? separate(p, state, &s) : separate_from(p, &before, &s);
     const int found = !(gap < 0.0) ? 0 : is_round(p) ? jo_round_corners(&p->a, &p->b, &s, corner) : jo_corners(&p->a, &p->b, &s, corner);
+    adapt(f, p, corner, found);
     for (int i = 0; i < found && i < jo_pair_points(f); i++) continue_states(f, p, corner + i, state, next + JO_PAIR_STATES * i);
     if (!found && s.gap > 0.0) next[JO_PAIR_CODE] = jo_same(-jo_separation_code(&s));
 }

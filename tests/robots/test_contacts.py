@@ -224,6 +224,23 @@ def test_what_is_not_read_is_said(tmp_path, words, said):
         mechanism(robot, contact=True)
 
 
+def test_kinds_that_do_not_touch_are_named(tmp_path):
+    """Ellipsoids and cylinders touch each other and boxes, not a height field."""
+    geoms = "".join(
+        f'<body pos="0 0 {i + 2}"><freejoint/><geom type="{kind}" size=".1 .1 .1"/></body>'
+        for i, kind in enumerate(("ellipsoid", "cylinder", "box"))
+    )
+    text = f"""<mujoco><asset><hfield name="h" nrow="2" ncol="2" size="2 1 .3 .1"
+    elevation="0 0 0 1"/></asset><worldbody><geom type="hfield" hfield="h"/>
+    {geoms}</worldbody></mujoco>"""
+    robot = read_mjcf(write(tmp_path / "model.xml", text))
+    with pytest.warns(jo.JoustoWarning, match="pass through each other") as said:
+        mechanism(robot, contact=True)
+    (message,) = (str(one.message) for one in said if "pass through" in str(one.message))
+    assert "height-field - ellipsoid" in message or "ellipsoid - height-field" in message
+    assert "box" not in message and "cuboid" not in message and "ellipsoid - cyl" not in message
+
+
 URDF = """<robot name="r"><link name="base"/><joint name="j" type="revolute"><parent link="base"/>
 <child link="arm"/><axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
 <link name="arm"><inertial><mass value="1"/>
