@@ -139,6 +139,18 @@ def test_held_inputs_are_exact():
     assert found["mass"] == pytest.approx(4.0, rel=1e-7)
 
 
+def test_a_load_that_is_let_go():
+    # 5 N on a spring of 50 N/m: the motion begins at rest, 0.1 m away
+    t, x = released(samples=101)
+    experiment = Experiment(record(t, x, 1e-4), noise={"x": 1e-4}, rest={"force": 5.0})
+    mass = jo.Parameter("mass", 1.0, unit="kg")
+    found = identify(
+        lambda mass: oscillator(50.0, mass=mass), mass, experiment, solver=jo.RK4(1e-2)
+    )
+    assert abs(found["mass"] - 2.0) < 4 * found.sd("mass")
+    assert found.ratio == pytest.approx(1.0, abs=4 * np.sqrt(2 / 100))
+
+
 def test_unknown_noise_is_estimated():
     t, x = released(samples=401)
     experiment = Experiment(record(t, x, 3e-4))

@@ -54,6 +54,9 @@ class Experiment:
     state : State or callable, optional
         State at 0 s, or a function of the model that returns it, such as `jo.equilibrium`; by
         default that of the model.
+    rest : dict of str to float, optional
+        The machine is at rest at 0 s, with these values of inputs: ``rest={"load": 4.0}`` for a
+        load that is let go, ``rest={}`` for the position of rest.
     window : (float, float), optional
         Instants between which samples are compared, s.
     model : callable, ModelFile, Mechanism or Model, optional
@@ -83,6 +86,7 @@ class Experiment:
     bias: Mapping[str, Number] = field(default_factory=dict)
     shift: Mapping[str, Number] = field(default_factory=dict)
     state: Any = None
+    rest: Mapping[str, float] | None = None
     window: tuple[float, float] | None = None
     model: Any = None
     name: str = ""
@@ -97,6 +101,10 @@ class Experiment:
             object.__setattr__(self, "name", self.record.name)
         problems = Problems()
         self._check_channels(problems)
+        if self.rest is not None and self.state is not None:
+            problems.add(self.where, "has a state and a rest; leave one of them out")
+        for name, value in (self.rest or {}).items():
+            problems.number(self.where, f"rest: {name}", value, "")
         if self.record.time[0] < 0.0:
             message = f"its time starts at {self.record.time[0]:g} s, the model at 0 s"
             problems.add(self.where, f"{message}; move it by record.shifted(...)")

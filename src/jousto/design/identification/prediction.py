@@ -19,9 +19,12 @@ from jousto.design.studies.running.evaluator import Evaluator
 from jousto.design.studies.running.sources import Memory, source_of
 from jousto.measurement.gauges.record import record_of
 from jousto.mechanism.signals.piecewise import Table
+from jousto.model.model import Model
 from jousto.model.native.ensemble import machines
 from jousto.simulation.results.solution import Solution
-from jousto.simulation.running.simulate import simulate
+from jousto.simulation.running.inputs import drive
+from jousto.simulation.state import State
+from jousto.simulation.statics.equilibrium import equilibrium
 
 ALIGNED = 1e-6
 """Share of a step within which a measured instant is an instant of the run."""
@@ -115,9 +118,7 @@ class Bench:
         """Return the run of a machine, or its error."""
         try:
             if self.held:
-                inputs = {**case._inputs, **self.held}
-                how = case._machine.settings.given(case.model)
-                return simulate(case.model, self.t_end, inputs=inputs, **how)
+                return case.run_with(self.held)
             return case.run
         except Exception as error:
             return error
@@ -142,6 +143,22 @@ class Bench:
         made = Evaluator(replace(source, settings=settings), self.evaluator.parameters, ())
         made.memory, made.notes = self.evaluator.memory, self.evaluator.notes
         return made
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """State of a machine: its position of rest under some values of its inputs.
+
+    Parameters
+    ----------
+    inputs : dict of str to float
+    """
+
+    inputs: dict[str, float]
+
+    def __call__(self, model: Model) -> State:
+        """Return the state of a model."""
+        return equilibrium(drive(model, self.inputs, "rest"))
 
 
 def make_bench(
@@ -177,6 +194,8 @@ def make_bench(
         how["solver"] = solver
     if experiment.state is not None:
         how["state"] = experiment.state
+    if experiment.rest is not None:
+        how["state"] = AtRest(dict(experiment.rest))
     try:
         source = source_of(own, Settings(t_end, how, {}))
         taken = {p.name: p.value for p in parameters if source.takes(p.name)}

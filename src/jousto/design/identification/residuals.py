@@ -60,7 +60,6 @@ class Residuals:
 
     def __post_init__(self) -> None:
         self._places = {unknown.name: k for k, unknown in enumerate(self.unknowns)}
-        self._known: tuple[bytes, Shown] | None = None
 
     @property
     def solver(self) -> Any:
@@ -110,7 +109,6 @@ class Residuals:
         if isinstance(found, Exception):
             self.failures.append(" / ".join(str(found).splitlines()))
             return np.full(sum(self.sizes), np.inf)
-        self._known = u.tobytes(), found
         return self.of(found, u)
 
     def of(self, shown: Shown, u: Array) -> Array:

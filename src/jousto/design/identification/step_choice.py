@@ -39,8 +39,9 @@ def step_error(residuals: Residuals, u: Array, solver: Any = None) -> float:
         return 0.0
     coarse = residuals.with_solver(given).values(u)
     fine = residuals.with_solver(_with_step(given, 0.5 * given.step)).values(u)
-    change = coarse - fine
-    return float(np.sqrt(np.mean(change**2))) if np.all(np.isfinite(change)) else np.inf
+    if not (np.all(np.isfinite(coarse)) and np.all(np.isfinite(fine))):
+        return np.inf
+    return float(np.sqrt(np.mean((coarse - fine) ** 2)))
 
 
 def _with_step(solver: Any, step: float) -> Any:
@@ -50,8 +51,8 @@ def _with_step(solver: Any, step: float) -> Any:
 def choose_solver(residuals: Residuals, u: Array) -> Residuals:
     """Return the residuals with a method whose error is below the noise at the start values.
 
-    The explicit method RK4 with the longest of some steps whose error is small, else the default
-    method of the machine.
+    The explicit method RK4 with the longest of some steps whose error is small, else the method of
+    the model file, else the default method of the machine.
     """
     bench: Any = next((one for one in residuals.benches if one.t_end is not None), None)
     if bench is None:
@@ -68,7 +69,6 @@ def choose_solver(residuals: Residuals, u: Array) -> Residuals:
         step *= 0.5
     del residuals.failures[failed:]
     if chosen is None:
-        theta = residuals.theta(u)
-        model = bench.evaluator.case(theta[bench.places]).model
-        chosen = choose(model, bench.t_end, bench.how["output_step"])[0]
+        case = bench.evaluator.case(residuals.theta(u)[bench.places])
+        chosen = case.solver or choose(case.model, bench.t_end, bench.how["output_step"])[0]
     return residuals.with_solver(chosen)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from jousto.base.arrays import Array
 from jousto.base.complexstep import is_stepping
 from jousto.base.errors import InputError, NotAnalytic, Problem
 from jousto.base.object_repr import described
@@ -22,6 +23,7 @@ from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.batched_runs import run_in_lanes
 from jousto.simulation.running.inputs import drive
 from jousto.simulation.running.repeated_runs import Repeated
+from jousto.simulation.running.simulate import simulate
 from jousto.simulation.running.start_state import initial_state
 
 Counts = dict[str, int]
@@ -258,6 +260,11 @@ class Case:
         return self._machine.model
 
     @property
+    def solver(self) -> Any:
+        """Method of the runs that the study or the model file gives; None if there is none."""
+        return self._machine.settings.how.get("solver")
+
+    @property
     def checks(self) -> tuple[Any, ...]:
         """Fatigue checks of the model file."""
         return self._machine.checks
@@ -290,6 +297,13 @@ class Case:
         """Results of the run."""
         found: Solution = self.prepare()()
         return found
+
+    def run_with(self, samples: Mapping[str, Array]) -> Solution:
+        """Return the results of a run whose inputs have samples, held over each output step."""
+        settings = self._machine.settings
+        assert settings.t_end is not None
+        inputs = {**self._inputs, **samples}
+        return simulate(self.model, settings.t_end, inputs=inputs, **settings.given(self.model))
 
     def cached(self, name: object, make: Callable[[], Any]) -> Any:
         """Return a value shared by several outcomes, computed at the first request."""
