@@ -76,7 +76,7 @@ typedef double jo_real;
         longitudinal[9], lateral[13], aligning[14], peak[2]) \
     ROW(slider, stiffness, damping, play, hold, brake, mu, resistance, slow, count) \
     ROW(network, number, states, coordinates, signals, constants, values, instructions, pushes, slopes, memories, gravity, openings) \
-    ROW(memory, network, first, count, period, phase, margin, jumps) \
+    ROW(memory, network, first, count, period, phase, margin, jumps, jitter, seed) \
     ROW(delay, network, input, slope, time, points, given, initial, size) \
     /* the last row */
 

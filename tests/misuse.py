@@ -711,6 +711,20 @@ def _states(made: Made, _: Path) -> list[Call]:
         ),
         (words.Play, {"name": "s", "input": x, "play": 0.1}),
         (words.Delay, {"name": "s", "input": x, "time": 0.1}),
+        (
+            words.SampledPID,
+            {"name": "s", "reference": 1.0, "measured": x, "period": 0.1, "kp": 2.0},
+        ),
+        (
+            words.SampledTransferFunction,
+            {
+                "name": "s",
+                "input": x,
+                "numerator": [1.0],
+                "denominator": [1.0, 2.0],
+                "period": 0.1,
+            },
+        ),
         (words.Relay, {"name": "s", "input": x, "lower": -1.0, "upper": 1.0}),
         (
             words.BoucWen,

@@ -156,6 +156,10 @@ void jo_start_states(const jo_model *m, jo_data *d)
     jo_coordinates_rate(m, d, m->ncoordinate);
     jo_state_changed(d);
     for (int i = 0; i < m->nforce; i++) jo_start_force(m, d, i);
+    for (int k = 0; k < m->nyielding; k++) {   /* samples that are due at the start, when all values are the initial ones */
+        const jo_force *f = &m->force[d->forces.yielding[k]];
+        if (f->type == JO_FORCE_memory) jo_yielding_of(f)->update(m, d, f, jo_states(m, d) + f->state);
+    }
     for (int k = 0; k < 2 * d->forces.following; k++) jo_follow_jumps(m, d);   /* values, then rates, of which each may need those of others */
     double none = 0.0;
     int overlap;

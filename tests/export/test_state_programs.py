@@ -5,6 +5,7 @@ from __future__ import annotations
 import runpy
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -104,13 +105,14 @@ def test_a_program_has_a_hydraulic_network(tmp_path: Path, core: str, method: st
 def test_a_program_has_samples_play_relays_and_tables(
     tmp_path: Path, core: str, method: str
 ) -> None:
-    """A cart with sampled control, late, a play, a relay on its rate, and a map as a spring."""
+    """A cart with sampled control, twice late, play, a relay on its rate, a map as a spring."""
     cart = jo.RigidBody("cart", 2.0, (1, 1, 1))
     rail = jo.Prismatic("rail", jo.ground["origin"], cart["origin"], axis=(1, 0, 0))
     s = rail.displacement
     updates = {"u": "-80*x - 6*v", "n": "n + 1"}
     inputs = {"x": value(s), "v": rate(s)}
-    control = Sampled("control", 0.03, {"u": 0.0, "n": 0.0}, updates, inputs=inputs, phase=0.01)
+    times: Any = {"phase": 0.01, "latency": 7.3e-3, "jitter": 4e-3, "seed": 3}
+    control = Sampled("control", 0.03, {"u": 0.0, "n": 0.0}, updates, inputs=inputs, **times)
     play, relay = Play("play", s, 0.01), Relay("relay", rate(s), -0.2, 0.1, on=2.0)
     knots = [-0.3, -0.1, 0.0, 0.2, 0.3]
     table = LookupMap("table", play["y"], rate(s), knots, [-1, 0, 2], np.outer(knots, [1, 2, 3]))

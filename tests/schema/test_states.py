@@ -96,8 +96,12 @@ states:
   - {type: integrator, name: work, input: power.y, gain: 2}
   - {type: sampled, name: digital, period: 50 ms, initial: {u: 0, n: 0}, phase: 10 ms,
      inputs: {y: chosen.y, x: rail.displacement}, updates: {u: 0.5*u + y - 0.1*x, n: n + 1}}
+  - {type: sampled-pid, name: computer, reference: 1, measured: rail.displacement, period: 20 ms,
+     kp: 2, ki: 1, kd: 0.1, limit: 3, method: tustin, latency: 5 ms, jitter: 1 ms, seed: 4}
+  - {type: sampled-transfer-function, name: mean, input: computer.u, numerator: [1, 1],
+     denominator: [2, 0], period: 20 ms, phase: 10 ms}
   - {type: relay, name: valve, input: rail.displacement, lower: 0.001, upper: 0.002, on: 0.2}
-  - {type: play, name: back, input: digital.u + valve.y, play: 0.01}
+  - {type: play, name: back, input: digital.u + valve.y + 0.1*mean.y, play: 0.01}
   - {type: bouc-wen, name: wires, coordinate: rail.displacement, stiffness: 5 N/m, share: 0.1,
      beta: 3, gamma: 1, exponent: 2}
   - {type: lookup, name: curve, input: back.y, at: [-2, 0, 2], values: [-1, 0, 3],
@@ -140,7 +144,19 @@ def test_blocks_equal_the_python_constructors() -> None:
     updates = {"u": "0.5*u + y - 0.1*x", "n": "n + 1"}
     digital = b.Sampled("digital", 0.05, {"u": 0.0, "n": 0.0}, updates, inputs=inputs, phase=0.01)
     valve = b.Relay("valve", s, 0.001, 0.002, on=0.2)
-    back = b.Play("back", digital["u"] + valve["y"], 0.01)
+    computer = b.SampledPID(
+        *("computer", 1.0, s, 0.02),
+        kp=2.0,
+        ki=1.0,
+        kd=0.1,
+        limit=3.0,
+        method="tustin",
+        latency=5e-3,
+        jitter=1e-3,
+        seed=4,
+    )
+    mean = b.SampledTransferFunction("mean", computer["u"], [1, 1], [2, 0], 0.02, phase=0.01)
+    back = b.Play("back", digital["u"] + valve["y"] + 0.1 * mean["y"], 0.01)
     wires = b.BoucWen("wires", s, 5.0, 0.1, 3.0, 1.0, 2.0)
     curve = b.Lookup(
         *("curve", back["y"], [-2, 0, 2], [-1, 0, 3]), interpolation="parabola", outside="line"
@@ -151,7 +167,7 @@ def test_blocks_equal_the_python_constructors() -> None:
     )
     push = b.BlockForce("push", s, table["z"])
     blocks = system, tf, error, pid, lead, motor, slow, limited, band, chosen, power, work, push
-    blocks = *blocks, curve, table, digital, valve, back, wires, late
+    blocks = *blocks, curve, table, digital, computer, mean, valve, back, wires, late
     sensors = (
         StateSensor("work", work["y"], unit="J"),
         StateSensor("y", system["y"]),

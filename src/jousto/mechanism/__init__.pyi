@@ -97,6 +97,10 @@ from .states.belt import BeltDrive as BeltDrive, Capstan as Capstan
 from .states.block import Block as Block, Equations as Equations, States as States
 from .states.control import PIDController as PIDController, RateLimit as RateLimit
 from .states.delay import Delay as Delay
+from .states.digital import (
+    SampledPID as SampledPID,
+    SampledTransferFunction as SampledTransferFunction,
+)
 from .states.expression import (
     Expression as Expression,
     absolute as absolute,

@@ -13,7 +13,10 @@ EngineLaw(
 ).declared()
 EngineLaw(
     "memory",
-    constants=("network", "first", "count", "period", "phase", "margin", "jumps"),
+    constants=(
+        *("network", "first", "count", "period", "phase", "margin", "jumps"),
+        *("jitter", "seed"),
+    ),
     yields=True,
 ).declared()
 EngineLaw(

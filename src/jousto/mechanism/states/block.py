@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field as keep
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -97,8 +97,21 @@ class Block(Declared, section="states"):
         def phase(self) -> Any:
             """Time of the first sample, s."""
 
+        @property
+        def jitter(self) -> Any:
+            """Largest random delay of a sample, s."""
+
+        @property
+        def seed(self) -> Any:
+            """Seed of the random delays."""
+
     else:
-        outputs, period, phase = (), 0.0, 0.0
+        outputs, period, phase, jitter, seed = (), 0.0, 0.0, 0.0, 0
+
+    @property
+    def changes(self) -> Sequence[tuple[Sequence[str], float]]:
+        """Groups of memories that change together, and their delay after the sample, s."""
+        return ((tuple(self.memories), 0.0),) if self.memories else ()
 
     @property
     def drawn_at(self) -> tuple[Any, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from jousto.base.errors import Problems
 from jousto.base.fields import Choice, field
@@ -12,6 +13,21 @@ from jousto.mechanism.states.block import Equations
 from jousto.mechanism.states.expression import Expression, clip, where
 from jousto.mechanism.states.inputs import InputField, OptionalInput
 from jousto.mechanism.states.linear import SIZE, Sized, within
+
+
+def check_gains(pid: Any, problems: Problems, where: str) -> None:
+    """Report gains of a PID controller without effect, a filter that is missing, and limits."""
+    if not (pid.kp or pid.ki or pid.kd):
+        problems.add(where, "kp, ki and kd are all 0: the controller has no effect")
+    if pid.kd and pid.filter is None and not pid.kp:
+        text = "filter is missing, which is 0.1 kd/kp only where there is kp; give it in s"
+        problems.add(where, text, "filter")
+    if pid.lower is not None and pid.limit is not None and pid.lower >= pid.limit:
+        text = f"lower is {pid.lower:g}, must be below the limit of {pid.limit:g}"
+        problems.add(where, text, "lower")
+    elif pid.limit is not None and pid.lower is None and pid.limit <= 0.0:
+        text = f"limit is {pid.limit:g}, must be positive, or lower must be given"
+        problems.add(where, text, "limit")
 
 
 class PIDController(Sized, tag="pid"):
@@ -80,23 +96,13 @@ class PIDController(Sized, tag="pid"):
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report time constants that contradict the gains, and limits in the wrong order."""
-        if not (self.kp or self.ki or self.kd):
-            problems.add(where, "kp, ki and kd are all 0: the controller has no effect")
-        if self.kd and self.filter is None and not self.kp:
-            text = "filter is missing, which is 0.1 kd/kp only where there is kp; give it in s"
-            problems.add(where, text, "filter")
+        check_gains(self, problems, where)
         if self._tracks and self.tracking is None and not self.kp:
             text = "tracking is missing, which is 0.9 kp/ki only where there is kp; give it in s"
             problems.add(where, text, "tracking")
         if self.actual is not None and self.anti_windup != "back-calculation":
             text = f"actual is given, which anti_windup={self.anti_windup!r} does not take"
             problems.add(where, text, "actual")
-        if self.lower is not None and self.limit is not None and self.lower >= self.limit:
-            text = f"lower is {self.lower:g}, must be below the limit of {self.limit:g}"
-            problems.add(where, text, "lower")
-        elif self.limit is not None and self.lower is None and self.limit <= 0.0:
-            text = f"limit is {self.limit:g}, must be positive, or lower must be given"
-            problems.add(where, text, "limit")
 
     @property
     def _tracks(self) -> bool:

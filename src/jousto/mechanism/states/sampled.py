@@ -2,21 +2,96 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jousto.base.errors import Problems, suggest
 from jousto.base.fields import field, kept
-from jousto.base.numbers import Number, Positive
+from jousto.base.numbers import Number, Positive, Whole
 from jousto.mechanism.states.block import Block, Equations
 from jousto.mechanism.states.expression import Expression, linear
 from jousto.mechanism.states.inputs import FormulasField, as_formula
 from jousto.mechanism.states.state_space import matrices_of
 
 
-class Sampled(Block, tag="sampled"):
+class Ticking(Block):
+    """Base of the blocks whose values change at samples only.
+
+    A sample reads its inputs at ``phase + k period``, later by a random part of `jitter`. The
+    values change `latency` after this, as a computer that needs this time would.
+    """
+
+    jumps = True
+    phase: Number = field("Time of the first sample", unit="s", least=0, default=0.0, kw_only=True)
+    latency: Number = field(
+        "Time from a sample to the change of the values",
+        unit="s",
+        least=0,
+        default=0.0,
+        kw_only=True,
+    )
+    jitter: Number = field(
+        "Largest delay of a sample, random with equal probability of all delays up to it",
+        unit="s",
+        least=0,
+        default=0.0,
+        kw_only=True,
+    )
+    seed: Whole = field(
+        "Seed: with the same one, delays are the same", least=0, default=0, kw_only=True
+    )
+
+    if TYPE_CHECKING:
+
+        @property
+        def period(self) -> Any:
+            """Sampling period, s."""
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """Values before the first sample, by name."""
+        raise NotImplementedError
+
+    def next_values(self, x: Mapping[str, Expression]) -> Mapping[str, Any]:
+        """Return the values from a sample on, from those of the sample before."""
+        raise NotImplementedError
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Report a latency and a jitter that do not end before the next sample."""
+        late = self.latency + self.jitter
+        if self.period is not None and late >= self.period:
+            text = f"latency and jitter are {late:g} s, must be less than the period of "
+            problems.add(where, f"{text}{self.period:g} s", "latency" if self.latency else "jitter")
+
+    def _ahead(self, name: str) -> str:
+        """Name of a value that is computed and not yet seen by others."""
+        return f"next {name}" if self.latency else name
+
+    @property
+    def memories(self) -> Mapping[str, float]:
+        """Values that others see, and with a latency those that are computed."""
+        computed = {self._ahead(name): x for name, x in self.values.items()}
+        return {**self.values, **computed}
+
+    @property
+    def changes(self) -> Sequence[tuple[Sequence[str], float]]:
+        """The computed values change at a sample, and what others see after the latency."""
+        names = tuple(self.values)
+        seen = ((names, self.latency),) if self.latency else ()
+        return (*seen, (tuple(map(self._ahead, names)), 0.0))
+
+    def equations(self, x: Mapping[str, Expression]) -> Equations:
+        """Return the next values."""
+        made = self.next_values({name: x[self._ahead(name)] for name in self.values})
+        updates = {self._ahead(name): one for name, one in made.items()}
+        if self.latency:
+            updates |= {name: x[self._ahead(name)] for name in self.values}
+        return Equations(updates=updates)
+
+
+class Sampled(Ticking, tag="sampled"):
     """Values that change at the times ``phase + k period`` only, and are constant between them.
 
     At a sample all values follow at once from the values before it and from the inputs, by their
@@ -41,20 +116,19 @@ class Sampled(Block, tag="sampled"):
     """
 
     kind = "sampled block"
-    jumps = True
     period: Positive = field("Time between samples", unit="s")
     initial: FormulasField = field("Values before the first sample, by name", numbers=True)
     updates: FormulasField = field("Values from a sample on, by name")
     inputs: FormulasField = field("Inputs by name", default=None, kw_only=True)
-    phase: Number = field("Time of the first sample", unit="s", least=0, default=0.0, kw_only=True)
     _made: Any = kept()
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report unknown names and formulas that are not valid."""
+        super().consistent(problems, where)
         object.__setattr__(self, "inputs", self.inputs or {})
         if not self.initial:
             problems.add(where, "has no values", "initial")
-        names = {name: Expression("state", of=(self, name)) for name in self.initial}
+        names = {name: Expression("state", of=(self, self._ahead(name))) for name in self.initial}
         for name, given in self.inputs.items():
             if name in names:
                 problems.add(where, f"{name!r} is a value and an input", "inputs")
@@ -69,7 +143,7 @@ class Sampled(Block, tag="sampled"):
 
     @classmethod
     def from_system(
-        cls, name: str, system: Any, *inputs: Any, initial: Any = None, phase: float = 0.0
+        cls, name: str, system: Any, *inputs: Any, initial: Any = None, **times: Any
     ) -> Sampled:
         """Return a sampled linear system of python-control or `scipy.signal`.
 
@@ -86,8 +160,8 @@ class Sampled(Block, tag="sampled"):
             Inputs of the system.
         initial : (n,) array_like, optional
             States at the first sample; zeros if not given.
-        phase : float
-            Time of the first sample, s.
+        **times
+            `phase`, `latency`, `jitter` and `seed`, as for the class.
 
         Raises
         ------
@@ -114,13 +188,13 @@ class Sampled(Block, tag="sampled"):
         rows = linear(np.vstack([np.hstack([A, B]), np.hstack([C, D])]), terms)
         start = dict(zip(states, first.tolist(), strict=True)) | dict.fromkeys(outputs, 0.0)
         updates = dict(zip([*states, *outputs], rows, strict=True))
-        return cls(name, period, start, updates, phase=phase)
+        return cls(name, period, start, updates, **times)
 
     @property
-    def memories(self) -> Mapping[str, float]:
+    def values(self) -> Mapping[str, float]:
         """Values before the first sample."""
         return self.initial
 
-    def equations(self, x: Mapping[str, Expression]) -> Equations:
-        """Return the next values."""
-        return Equations(updates=self._made)
+    def next_values(self, x: Mapping[str, Expression]) -> Mapping[str, Any]:
+        """Return the values of the formulas."""
+        return self._made  # type: ignore[no-any-return]

@@ -77,18 +77,20 @@ class System(ForceElement):
     def _kept(self, memory: _Memory) -> Push:
         """Return what a block keeps within steps as a law of the engine."""
         block, made = memory.block, self._made
-        names = ("samples", *block.memories)
+        names = ("samples", *memory.names)
         data = packed(
             "jo_memory_data",
-            list(block.memories.values()),
+            [block.memories[name] for name in memory.names],
             [made.register[node] for node in memory.updates],
             network=self.number,
             first=memory.first,
-            count=len(block.memories),
+            count=len(memory.names),
             period=block.period,
-            phase=block.phase,
+            phase=block.phase + memory.delay,
             margin=-1 if memory.margin is None else made.register[memory.margin],
             jumps=block.jumps,
+            jitter=block.jitter,
+            seed=block.seed,
         )
         states = tuple(f"{block.name}.{name}" for name in names)
         return Push("memory", {}, numbers=lambda _: Packed(data), states=states)
@@ -142,9 +144,14 @@ class System(ForceElement):
 
 
 class _Memory(NamedTuple):
-    """Memories of a block: the first one in the system; entries of next values and margin."""
+    """Memories of a block that change together, and their delay after a sample, s.
+
+    Then the first one in the system; entries of next values and margin.
+    """
 
     block: Block
+    names: Sequence[str]
+    delay: float
     first: int
     updates: list[int]
     margin: int | None
@@ -188,9 +195,9 @@ class _Assembly:
             (self._coordinate(c), self._node(force)) for one in equations for c, force in one.forces
         ]
         self.kept = [
-            self._remember(block, one)
+            self._remember(block, one, names, delay)
             for block, one in zip(blocks, equations, strict=True)
-            if block.memories
+            for names, delay in block.changes
         ]
         self.delays = [
             self._delayed(block, one.delayed)
@@ -211,12 +218,14 @@ class _Assembly:
             self._equations[id(block)] = block.checked()
         return self._equations[id(block)]
 
-    def _remember(self, block: Block, equations: Equations) -> _Memory:
-        first = self._memory[id(block), next(iter(block.memories))]
+    def _remember(
+        self, block: Block, equations: Equations, names: Sequence[str], delay: float
+    ) -> _Memory:
+        first = self._memory[id(block), names[0]]
         self._no_rate = False
-        updates = [self._node(equations.updates[name]) for name in block.memories]
+        updates = [self._node(equations.updates[name]) for name in names]
         margin = None if equations.margin is None else self._node(equations.margin)
-        return _Memory(block, first, updates, None if self._no_rate else margin)
+        return _Memory(block, names, delay, first, updates, None if self._no_rate else margin)
 
     def _delayed(self, block: Block, of: Expression) -> _Delay:
         node = self._node(of)

@@ -82,6 +82,8 @@ def _between_steps(force: ForceModel, step: float) -> Iterator[tuple[str, float,
     numbers = named("jo_memory_data", force.data)
     period, phase = float(np.real(numbers.period)), float(np.real(numbers.phase))
     near = period / max(1, round(period / step))
+    if numbers.jitter != 0.0:
+        yield "jitter", float(np.real(numbers.jitter)), near
     for what, x in (("period", period), ("phase", phase)):
         count = x / step
         if period > 0.0 and (abs(count - round(count)) > ON_STEP or (x == period and count < 0.5)):
