@@ -54,7 +54,7 @@ typedef double jo_real;
  *   their next values (count each); period > 0: sampled at phase + k period
  * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
  *   coefficients of (s - s_k)^0..3 of the position and of each mode shape; at s = reference(t), times signal; 0 beyond the ends */
-#define JO_CONTACT_LAW stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, mass, duration, velocity, curve, extent
+#define JO_CONTACT_LAW stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, mass, duration, velocity, curve, extent, impedance[5]
 #define JO_TOUCH_LAW resolve, restitution
 #define JO_FORCES(ROW) \
     ROW(load, force[3], torque[3]) \

@@ -56,6 +56,7 @@ static void bind_law(const jo_contact_rows *y, const jo_shape_row *on, const jo_
     x->velocity = law->velocity;
     x->curve = law->curve;
     x->extent = law->extent;
+    for (int i = 0; i < 5; i++) x->impedance[i] = law->impedance[i];
     x->rolling = law->rolling;
     x->drilling = law->drilling;
     x->inertia = 1.0 / (on->angular + of->angular);

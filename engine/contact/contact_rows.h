@@ -15,7 +15,7 @@ typedef struct { jo_real shape, centre[3], radius, ring, around, axes[3]; } jo_t
  * duration is span (mass / stiffness)^(1 / (exponent + 1)) */
 typedef struct {
     jo_real hertz, stiffness, exponent, damping, slowest, viscous, full, mu_static, mu_kinetic, shear, span, restitution;
-    jo_real velocity, curve, extent, rolling, drilling;
+    jo_real velocity, curve, extent, rolling, drilling, impedance[5];
 } jo_law_row;
 
 typedef struct {

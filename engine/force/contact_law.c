@@ -4,18 +4,6 @@
 enum { JO_CURVE_HALVINGS = 20 };    /* of the largest depth of a touch */
 #define JO_SLOWEST_TURN 1e-5    /* slip over the slowest approach of the law below which its turn is that of a slip of this size */
 
-/* x^y, x > 0 */
-static jo_real raised(jo_real x, jo_real y)
-{
-    if (JO_RE(y) == 1.0) return x;
-    if (JO_RE(y) == 1.5) return x * jo_sqrt(x);
-#ifdef JO_COMPLEX
-    return cpow(x, y);
-#else
-    return pow(x, y);
-#endif
-}
-
 /* force without loss, its derivatives and its energy */
 static void press_without_loss(const jo_contact_law *x, jo_contact_point *y)
 {
@@ -23,7 +11,7 @@ static void press_without_loss(const jo_contact_law *x, jo_contact_point *y)
         jo_contact_curve(x, y);
         return;
     }
-    const jo_real once = x->stiffness * raised(y->depth, x->exponent - 1.0);
+    const jo_real once = x->stiffness * jo_raised(y->depth, x->exponent - 1.0);
     y->elastic = once * y->depth;
     y->slope = x->exponent * once;
     y->bend = y->slope * (x->exponent - 1.0) / y->depth;

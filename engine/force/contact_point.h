@@ -13,8 +13,8 @@ enum { JO_CONTACT_APART, JO_CONTACT_STICKS, JO_CONTACT_SLIPS, JO_CONTACT_EASED, 
 
 #define JO_CONTACT_STABLE 0.5   /* step of an explicit method times the rate of a contact */
 
-/* Forces without loss over the depth: K d^n; parallel cylinders by Johnson; a table */
-enum { JO_CURVE_POWER, JO_CURVE_LINE, JO_CURVE_TABLE };
+/* Forces without loss over the depth: K d^n; parallel cylinders by Johnson; a table; the impedance of robot files */
+enum { JO_CURVE_POWER, JO_CURVE_LINE, JO_CURVE_TABLE, JO_CURVE_IMPEDANCE };
 
 /* The numbers of the law, with which the data of every kind of contact begin. */
 typedef struct { jo_real JO_CONTACT_LAW, JO_TOUCH_LAW; } jo_contact_law;
@@ -41,6 +41,19 @@ static inline jo_real jo_length3(const jo_real *x)
 {
     const jo_real square = jo_dot3(x, x);
     return JO_RE(square) > 0.0 ? jo_sqrt(square) : 0.0;
+}
+
+/* x^y, x > 0 */
+static inline jo_real jo_raised(jo_real x, jo_real y)
+{
+    if (JO_RE(y) == 1.0) return x;
+    if (JO_RE(y) == 2.0) return x * x;
+    if (JO_RE(y) == 1.5) return x * jo_sqrt(x);
+#ifdef JO_COMPLEX
+    return cpow(x, y);
+#else
+    return pow(x, y);
+#endif
 }
 
 static inline const jo_contact_law *jo_contact_law_of(const jo_force *f) { return (const jo_contact_law *)f->data; }

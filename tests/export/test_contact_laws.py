@@ -10,7 +10,15 @@ import pytest
 
 import jousto as jo
 from exported import CC, STEP, expected, rows_of
-from jousto.mechanism import Contact, HalfSpace, JohnsonLine, Regularised, Sphere, TableLaw
+from jousto.mechanism import (
+    Contact,
+    HalfSpace,
+    Impedance,
+    JohnsonLine,
+    Regularised,
+    Sphere,
+    TableLaw,
+)
 
 pytestmark = pytest.mark.skipif(
     CC is None or sys.platform == "win32", reason="no C compiler to compile the programs with"
@@ -19,7 +27,7 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.mark.filterwarnings("ignore:.*moves freely")
 def test_a_program_has_the_laws(tmp_path: Path) -> None:
-    """Two balls that fall, bounce, slip, roll and spin, each with a law of its own."""
+    """Three balls that fall, bounce, slip, roll and spin, each with a law of its own."""
     balls = [
         jo.RigidBody(
             f"b{i}",
@@ -29,13 +37,14 @@ def test_a_program_has_the_laws(tmp_path: Path) -> None:
             velocity=(0.4, 0.2, 0),
             angular_velocity=(0, 4, 30.0),
         )  # fmt: skip
-        for i in range(2)
+        for i in range(3)
     ]
     laws = (
         TableLaw([0, 1e-3, 2e-3], [0, 300, 1000], restitution=0.4),
         JohnsonLine(1e8, 0.01, 0.1, restitution=0.4),
+        Impedance(5e3, 0.5, 0.9, 2e-3, restitution=0.4),
     )
-    more = ({"rolling": 2e-3, "drilling": 4e-3}, {"friction": Regularised(0.05)})
+    more = ({"rolling": 2e-3, "drilling": 4e-3}, {"friction": Regularised(0.05)}, {})
     contacts = [
         Contact(
             f"c{i}",
@@ -47,7 +56,7 @@ def test_a_program_has_the_laws(tmp_path: Path) -> None:
             mu_kinetic=0.3,
             **more[i],
         )  # fmt: skip
-        for i in range(2)
+        for i in range(3)
     ]
     sensors = [jo.AngularVelocitySensor(f"w{i}", one["origin"]) for i, one in enumerate(balls)]
     model = jo.compile(jo.Mechanism(*balls, *contacts, jo.Gravity((0, 0, -9.81)), *sensors))

@@ -16,6 +16,7 @@ from jousto.mechanism import (
     HalfSpace,
     HertzLine,
     Impact,
+    Impedance,
     JohnsonLine,
     PowerLaw,
     Regularised,
@@ -37,6 +38,15 @@ def force_at(law: Any, depth: float) -> float:
     contact = Contact("c", jo.ground["origin"], HalfSpace(), body["origin"], Sphere(0.0), law)
     engine = jo.model.Engine(jo.compile(jo.Mechanism(body, contact)))
     return float(engine.accelerations()[0][2])
+
+
+def energy_at(law: Any, depth: float) -> float:
+    """Elastic energy of a law at a depth, J."""
+    body = jo.RigidBody("b", 1.0, (1,) * 3, position=(0, 0, -depth))
+    contact = Contact("c", jo.ground["origin"], HalfSpace(), body["origin"], Sphere(0.0), law)
+    engine = jo.model.Engine(jo.compile(jo.Mechanism(body, contact)))
+    engine.accelerations()
+    return float(engine.energy()[3])
 
 
 def test_pin_in_its_hole_by_johnson():
@@ -80,12 +90,37 @@ def test_a_table_is_the_cubic_of_fritsch_and_carlson():
     assert beyond == pytest.approx(2000 + 1e-3 * rows[-1, 2], rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    "numbers",
+    [(0.9, 0.95, 1e-3, 0.5, 2.0), (1e-4, 0.9999, 0.01, 0.2, 1.5), (0.5, 0.5, 1e-3, 0.5, 2.0)],
+)
+def test_impedance_of_robot_files(numbers):
+    """a by the formula of MuJoCo's documentation, F = K d a^2 / (1 - a); its energy by SciPy."""
+    from scipy.integrate import quad
+
+    low, high, width, middle, power = numbers
+    law = Impedance(1e4, *numbers, restitution=1.0)
+
+    def force(d: float) -> float:
+        x = min(d / width, 1.0)
+        late = 1 - (1 - x) ** power / (1 - middle) ** (power - 1)
+        a = low + (high - low) * (x**power / middle ** (power - 1) if x <= middle else late)
+        return 1e4 * d * a * a / (1 - a)
+
+    depths = width * np.array([0.05, middle, 0.7, 0.999, 2.0])
+    for depth in depths:
+        assert force_at(law, depth) == pytest.approx(force(depth), rel=1e-11)
+        exact = quad(force, 0, depth, points=[min(depth, x * width) for x in (middle, 1)])[0]
+        assert energy_at(law, depth) == pytest.approx(exact, rel=1e-6)
+
+
 LAWS = [
     TableLaw(D, F, restitution=0.6),
     TableLaw(D, F, restitution=1.0),
     JohnsonLine(1e8, 0.01, 5e-3, restitution=0.6),
     JohnsonLine(1e10, 0.01, 1e-3, restitution=0.3),
     HertzLine(1e9, 0.01, restitution=0.8),
+    Impedance(2e5, 0.1, 0.95, 5e-3, 0.3, 3.0, restitution=0.5),
 ]
 
 
@@ -103,8 +138,8 @@ def test_restitution_is_what_was_asked_for(law, speed):
 
 @pytest.mark.parametrize(
     "law",
-    [LAWS[0], JohnsonLine(1e6, 0.05, 0.3), HertzLine(1e6, 0.05)],
-    ids=["table", "line", "hertz"],
+    [LAWS[0], JohnsonLine(1e6, 0.05, 0.3), HertzLine(1e6, 0.05), Impedance(1e5, 0.2, 0.9, 3e-3)],
+    ids=["table", "line", "hertz", "impedance"],
 )
 @pytest.mark.parametrize(
     "more", [{}, {"mu_kinetic": 0.3, "mu_static": 0.4, "friction": Regularised(2.0)}]

@@ -256,7 +256,8 @@ SDF = """<sdf version="1.9"><model name="m"><self_collide>{own}</self_collide><l
 <collision name="ball"><pose>.1 .2 .3 0 0 0</pose><geometry><sphere><radius>.1</radius></sphere>
 </geometry><surface><friction><ode><mu>.4</mu><mu2>.4</mu2></ode></friction></surface></collision>
 <collision name="wall"><geometry><plane><normal>1 0 0</normal></plane></geometry>
-<surface><bounce/></surface></collision>
+<surface><bounce><restitution_coefficient>.5</restitution_coefficient><threshold>0</threshold>
+</bounce></surface></collision>
 <collision name="part"><pose>0 0 0 0 0 1.570796326794897</pose><geometry>
 <mesh><uri>model://parts/a.stl</uri><scale>2 1 1</scale></mesh></geometry></collision>
 <collision name="cone"><geometry><cone><radius>1</radius></cone></geometry></collision>
@@ -308,7 +309,7 @@ def test_links_of_sdf_do_not_touch_unless_they_say_so(tmp_path):
         ('nrow="2000" ncol="2000"', "their product up to 1000000"),
         ('nrow="2" ncol="2" elevation="1 2 3"', "elevation must be 4 numbers"),
         ('file="none.bin"', "is not there"),
-        ('file="a.png"', "pictures are not read"),
+        ('file="a.png"', "is no picture that can be read"),
         ('file="a.bin"', "is no file of rows, columns and heights"),
     ],
 )

@@ -132,9 +132,9 @@ def test_a_pair_of_the_file_touches_whatever_its_masks(tmp_path):
 
 
 def test_friction_and_words_of_a_pair(tmp_path):
-    text = PAIRED.format(words=' friction=".3 .3 .02" condim="4" gap="0.1"', more="")
+    text = PAIRED.format(words=' friction=".3 .3 .02" condim="4" solref="0.1"', more="")
     robot = read_mjcf(write(tmp_path / "model.xml", text))
-    with pytest.warns(jo.JoustoWarning, match=": gap of the file are not read"):
+    with pytest.warns(jo.JoustoWarning, match=": solref of the file are not read"):
         machine = mechanism(robot, contact=True)
     (pair,) = [one for one in machine.forces if isinstance(one, Contact)]
     assert (pair.mu_kinetic, pair.drilling, pair.rolling) == (0.3, 0.02, 0.0)

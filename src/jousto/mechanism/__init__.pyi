@@ -11,6 +11,7 @@ from .contacts.collision import (
 )
 from .contacts.curves import (
     HertzLine as HertzLine,
+    Impedance as Impedance,
     JohnsonLine as JohnsonLine,
     TableLaw as TableLaw,
 )

@@ -28,6 +28,7 @@ from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.scalar import CoordinateSensor
 from jousto.mechanism.signals.base import check_signal
 from jousto.robots.actuators import actuator_forces, with_actuators
+from jousto.robots.contact_law import MATERIAL, RobotContact
 from jousto.robots.contacts import robot_contacts
 from jousto.robots.description import Collision, Frame, Link, Robot
 from jousto.robots.elastic import (
@@ -82,7 +83,7 @@ def mechanism(
     efforts: Mapping[str, Any] | None = None,
     actuators: bool = True,
     elastic: Mapping[str, Mapping[str, Any]] | None = None,
-    contact: bool = False,
+    contact: bool | str = False,
 ) -> Mechanism:
     """Return the mechanism of a robot, with the joint coordinates of the file.
 
@@ -123,10 +124,11 @@ def mechanism(
         name and coordinate. Drives, efforts and actuators of the joint, in units of the joint, then
         act on its motor. The default of ``ratio`` is that of the only actuator of the joint in the
         file, and that of ``rotor_inertia`` is ``armature / ratio^2`` of the file.
-    contact : bool
+    contact : bool or {"material", "file"}
         Whether links touch one another and the world, by the shapes, masks, excluded pairs and
-        sliding friction of an MJCF file, see `jousto.robots.contacts.robot_contacts`; without it
-        they pass through each other.
+        friction of the file, see `jousto.robots.contacts.robot_contacts`; without it they pass
+        through each other. True or "material": with one stiffness for all; "file": with that of
+        the words of the file (``solref``, ``solimp``, ``margin``; ``kp``, ``kd``, ``bounce``).
 
     Raises
     ------
@@ -138,6 +140,7 @@ def mechanism(
     --------
     RobotInMechanism : A robot as an assembly of a larger machine.
     """
+    touching = contact_word(contact)
     asked = {"at": at, "drives": drives, "efforts": efforts, "elastic": elastic}
     given = {key: dict(value or {}) for key, value in asked.items()}
     given["at"] = by_joint(given["at"])
@@ -160,9 +163,23 @@ def mechanism(
     moved: list[Any] = [Drive(f"{name} drive", s[name], x) for name, x in given["drives"].items()]
     moved += [JointForce(f"{name} motor", s[name], x) for name, x in given["efforts"].items()]
     items = [*made.items, *(on_motor(item, made.elastic) for item in moved)]
-    if contact:
-        items += contacts_of(robot, made.bodies, seat, weight)
+    if touching:
+        items += contacts_of(robot, made.bodies, seat, weight, law=touching)
     return Mechanism(*items, Gravity(weight), name=robot.name)
+
+
+def contact_word(contact: bool | str) -> str:
+    """Return the law of contact that is asked for; empty for none.
+
+    Raises
+    ------
+    InputError
+        For another value.
+    """
+    problems = Problems()
+    found = RobotContact().check(problems, "", contact)
+    problems.raise_if_any()
+    return str(found or "")
 
 
 def contacts_of(
@@ -171,6 +188,7 @@ def contacts_of(
     seat: Seat,
     gravity: Any,
     name: str = "contacts",
+    law: str = MATERIAL,
 ) -> list[Contacts | Contact]:
     """Return the contacts of a robot; warn if it has no shapes that touch."""
 
@@ -180,7 +198,7 @@ def contacts_of(
         return seat.at(at) if body is None else body.at(at.r, at.A)
 
     weight = robot.mass * float(np.linalg.norm(gravity))
-    found = robot_contacts(robot, marker_of, weight, name)
+    found = robot_contacts(robot, marker_of, weight, name, law)
     if not found:
         warn(f"robot {robot.name!r}", "has no two shapes that touch, so that contact has no effect")
     return found

@@ -15,6 +15,7 @@ from jousto.base.errors import Problem
 from jousto.base.object_repr import described
 from jousto.base.rotations import turn_onto
 from jousto.mechanism.contacts.shapes import Shape
+from jousto.robots.softness import Softness
 
 KINDS = ("revolute", "prismatic", "screw", "ball", "planar", "floating", "fixed")
 
@@ -102,6 +103,8 @@ class Collision:
         What the shape was in the file, where it is not the same shape.
     added : float
         Share by which the hull of a mesh is larger than it, where the file does not ask for hulls.
+    softness : Softness
+        What the file contains on how it gives way where it touches.
     """
 
     name: str
@@ -115,6 +118,7 @@ class Collision:
     unread: tuple[str, ...] = ()
     source: str = ""
     added: float = 0.0
+    softness: Softness = Softness()
 
 
 @dataclass(frozen=True)
@@ -131,6 +135,8 @@ class ShapePair:
         Its lengths; None: the larger ones of both shapes.
     unread : tuple of str
         Words of the file on the pair that are not read.
+    soft : dict of str to value
+        Fields of its softness that the file gives, in place of those of both shapes.
     """
 
     a: str
@@ -138,6 +144,7 @@ class ShapePair:
     friction: float | None = None
     resistance: Resistance | None = None
     unread: tuple[str, ...] = ()
+    soft: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.contacts.collision import Apart, CollisionShape
 from jousto.robots.actuators import with_actuators
 from jousto.robots.build import build_robot, by_joint, check_joints, contacts_of
+from jousto.robots.contact_law import RobotContact
 from jousto.robots.contacts import excluded_shapes
 from jousto.robots.description import Frame, Robot
 from jousto.robots.joint_limits import RESTITUTION
@@ -166,8 +167,9 @@ class RobotInMechanism(Assembly, section="robots"):
         default=True,
         kw_only=True,
     )
-    contact: Flag = field(
-        "Whether its links touch one another and the planes of its file",
+    contact: RobotContact = field(
+        "Whether its links touch one another and the planes of its file: no, by the law of the "
+        "material, or by the words of the file",
         default=False,
         kw_only=True,
     )
@@ -229,7 +231,10 @@ class RobotInMechanism(Assembly, section="robots"):
         object.__setattr__(self, "_seat", seat)
         named = with_prefix(robot, prefix)
         touch = (
-            contacts_of(named, made.bodies, seat, robot.gravity, f"{prefix}contacts")
+            contacts_of(
+                *(named, made.bodies, seat, robot.gravity, f"{prefix}contacts"),
+                law=str(self.contact),
+            )
             if self.contact
             else []
         )

@@ -1,8 +1,9 @@
-"""Laws of contact whose force without loss is no power of the depth: cylinders, and tables."""
+"""Laws of contact whose force without loss is no power of the depth: cylinders, tables, robots."""
 
 from __future__ import annotations
 
 from math import pi
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from jousto.base.fields import field
 from jousto.base.numbers import Number, Values
 from jousto.base.object_repr import described
 from jousto.materials.material import Material
-from jousto.mechanism.contacts.laws import LINE, TABLE, Rebounding, modulus_of
+from jousto.mechanism.contacts.laws import IMPEDANCE, LINE, TABLE, Rebounding, modulus_of
 
 
 class HertzLine(Rebounding, tag="hertz-line"):
@@ -141,3 +142,40 @@ class TableLaw(Rebounding, tag="table-law"):
         stiffness = float(self.forces[-1] / self.depths[-1])
         more = {"stiffness": stiffness, "exponent": 1.0, "curve": float(TABLE)}
         return self.loss | more | {"extent": float(len(self.depths))}
+
+
+class Impedance(Rebounding, tag="impedance"):
+    """The soft contact of MuJoCo: ``F = K d a^2 / (1 - a)`` with its impedance a, N as `PowerLaw`.
+
+    a rises from ``low`` at the depth 0 to ``high`` at the depth ``width``: ``a = low + (high - low)
+    y(d / width)`` with ``y = x^p / m^(p-1)`` up to the middle m, then ``1 - (1-x)^p / (1-m)^(p-1)``
+    (MuJoCo documentation, Solver parameters). With ``K = m / (high tc dr)^2`` bodies rest at the
+    depths of MuJoCo, m being the mass in play, tc and dr ``solref``.
+
+    Examples
+    --------
+    >>> law = Impedance(2770.0, 0.9, 0.95, 1e-3)
+    >>> law.low, law.middle, law.power
+    (0.9, 0.5, 2.0)
+    """
+
+    curve = IMPEDANCE
+    stiffness: Number = field("K", unit="N/m", above=0)
+    low: Number = field("Impedance a at the depth 0", unit="1", above=0, below=1)
+    high: Number = field("Impedance a from the depth `width` on", unit="1", above=0, below=1)
+    width: Number = field("Depth at which a is `high`", unit="m", above=0)
+    middle: Number = field(
+        "m, share of the width at which a bends", unit="1", above=0, below=1, default=0.5
+    )
+    power: Number = field("p, how sharply a bends", unit="1", least=1, default=2.0)
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Report an impedance that falls with the depth."""
+        if self.low > self.high:
+            problems.add(where, f"low {self.low:g} is above high {self.high:g}", "low")
+
+    def numbers(self, curvature: float | None) -> dict[str, Any]:
+        """Stiffness, the five numbers of the impedance, and damping."""
+        impedance = (self.low, self.high, self.width, self.middle, self.power)
+        more = {"stiffness": self.stiffness, "exponent": 1.0, "curve": float(IMPEDANCE)}
+        return self.loss | more | {"impedance": impedance}

@@ -19,9 +19,9 @@ SLOWEST = 1e-3
 """Speed of approach below which a touch counts as one with this speed, m/s."""
 
 
-POWER, LINE, TABLE = 0, 1, 2
+POWER, LINE, TABLE, IMPEDANCE = 0, 1, 2, 3
 """Forms of the force over the depth in the engine, ``JO_CURVE_POWER`` and others."""
-NUMBERS = {
+NUMBERS: dict[str, Any] = {
     "stiffness": 0.0,
     "exponent": 1.0,
     "damping": 0.0,
@@ -30,6 +30,7 @@ NUMBERS = {
     "full": 0.0,
     "curve": 0.0,
     "extent": 0.0,
+    "impedance": (0.0,) * 5,
 }
 """Numbers of the normal force in the engine, as they are where a law does not give them."""
 
@@ -40,7 +41,7 @@ class ContactLaw(Declared, section="contact laws", by_value=True):
     Attributes
     ----------
     curve : int
-        Form of the force over the depth: `POWER`, `LINE` or `TABLE`.
+        Form of the force over the depth: `POWER`, `LINE`, `TABLE` or `IMPEDANCE`.
     """
 
     kind = "law of contact"
@@ -56,7 +57,7 @@ class ContactLaw(Declared, section="contact laws", by_value=True):
         """Rows of a table (n, 4); none for other laws."""
         return np.zeros((0, 4))
 
-    def numbers(self, curvature: float | None) -> dict[str, float]:
+    def numbers(self, curvature: float | None) -> dict[str, Any]:
         """Return the numbers of the engine's law at the sum of both curvatures, 1/m."""
         raise NotImplementedError
 

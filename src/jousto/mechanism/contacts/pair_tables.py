@@ -26,7 +26,7 @@ from jousto.mechanism.contacts.shapes import (
     touching,
 )
 
-SHAPE_ROW, TIP_ROW, LAW_ROW = 16, 10, 17
+SHAPE_ROW, TIP_ROW, LAW_ROW = 16, 10, 22
 """Numbers of a row of shapes, of tips and of laws (``contact_rows.h`` of the engine)."""
 KINDS = 11
 """Number of types of shapes in ``jo_shape_type`` of the engine."""
@@ -167,7 +167,7 @@ class PairLaw:
 
 
 def law_row(pair: PairLaw, shear: float, velocity: float, *, strikes: bool) -> Array:
-    """Return the numbers of a law (17,) as in ``jo_law_row`` of the engine.
+    """Return the numbers of a law (22,) as in ``jo_law_row`` of the engine.
 
     ``shear``: ratio of the stiffness of the bristle; ``velocity``: that of smooth friction, m/s, 0
     for a bristle; ``strikes``: whether touches are impulses.
@@ -181,7 +181,7 @@ def law_row(pair: PairLaw, shear: float, velocity: float, *, strikes: bool) -> A
     bristle = shear if static and not velocity else 0.0
     loss = getattr(law, "restitution", 0.0)
     usual = [hertz, *(x[key] for key in names), static, kinetic, bristle, span(x["exponent"]), loss]
-    return np.array([*usual, velocity, x["curve"], x["extent"], *pair.lengths])
+    return np.array([*usual, velocity, x["curve"], x["extent"], *pair.lengths, *x["impedance"]])
 
 
 def shape_rows(

@@ -40,7 +40,8 @@ TURN = {"turn x": "rad", "turn y": "rad", "turn z": "rad"}
 TURN_NUMBERS = ("rolling", "drilling", "inertia")
 LAW_NUMBERS = (
     *("stiffness", "exponent", "damping", "slowest", "viscous", "full"),
-    *("curve", "extent", "velocity", "shear", "mass", "duration", "resolve", "restitution"),
+    *("curve", "extent", "impedance", "velocity", "shear", "mass", "duration"),
+    *("resolve", "restitution"),
 )
 RESOLVE = ("cut", "impulse", "report")
 """How a touch is resolved, in the order of ``JO_RESOLVE_CUT`` of the engine."""
@@ -291,7 +292,7 @@ class Contact(ForceElement, tag="contact"):
         tips = self._tips
         return (self._pair,) if tips is None else tuple(self._push(tip) for tip in tips)
 
-    def _numbers(self, reach: float) -> dict[str, float]:
+    def _numbers(self, reach: float) -> dict[str, Any]:
         """Numbers of the law for a point of b at a distance `reach` from its marker, m."""
         a, on, b, _ = self._sides
         mass = 1.0 / (mobility(a, _reach(on)) + mobility(b, reach))

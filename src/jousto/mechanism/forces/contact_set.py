@@ -27,6 +27,7 @@ from jousto.mechanism.contacts.friction import default_static
 from jousto.mechanism.contacts.laws import TABLE, ContactLaw
 from jousto.mechanism.contacts.meetings import Meetings, check_kinds, meetings
 from jousto.mechanism.contacts.pair_tables import (
+    LAW_ROW,
     PairLaw,
     coupled_bodies,
     excluded_keys,
@@ -377,7 +378,7 @@ class Contacts(ForceElement, tag="contacts"):
         polytopes, starts = polytope_numbers(shapes, self._meetings.convex)
         groups = [self.groups[one.group] for one in self.shapes]
         rows, tips = shape_rows(self.shapes, places, starts, kinds, groups)
-        laws = np.zeros((len(names), len(names), 17))
+        laws = np.zeros((len(names), len(names), LAW_ROW))
         velocity = 0.0 if self.friction is None else self.friction.velocity
         for (a, b), pair in self.laws.items():
             numbers = law_row(pair, self.shear, velocity, strikes=self.resolve == "impulse")

@@ -20,6 +20,7 @@ from jousto.robots.readers.xml import Element, Reading
 
 READ = (".stl", ".obj", ".ply", ".dae", ".msh")
 LARGEST = 256 * 2**20  # largest size of a mesh file, bytes
+MOST_PIXELS = 1 << 22  # of a picture of heights
 MOST = 1e100  # largest coordinate, m, whose square does not overflow
 
 
@@ -157,7 +158,8 @@ class Folders:
     def heights(self, name: str) -> Array:
         """Return the rows of a file of heights, from the smallest y to the largest.
 
-        It consists of the numbers of rows and columns, and of numbers of 4 bytes.
+        It is a picture (PNG), whose grey values are the heights and whose first row is that of the
+        largest y, or consists of the numbers of rows and columns, and of numbers of 4 bytes.
 
         Raises
         ------
@@ -170,7 +172,7 @@ class Folders:
             raise ValueError(f"hfield '{shown}' {why}")
         data = path.read_bytes()
         if data.startswith(b"\x89PNG"):
-            raise ValueError(f"hfield '{shown}': pictures are not read; give elevation=")
+            return picture(path, shown)[::-1]
         counts = np.frombuffer(data[:8], dtype="<i4").astype(np.int64)
         if len(counts) < 2 or counts.min() < 2 or len(data) != 8 + 4 * int(counts.prod()):
             raise ValueError(f"hfield '{shown}' is no file of rows, columns and heights")
@@ -188,6 +190,31 @@ class Folders:
         found = found * scale
         # reverse the order of the corners of a mirrored mesh, so that normals point outward
         return found[:, ::-1] if np.prod(scale) < 0.0 else found
+
+
+def picture(path: Path, name: str) -> Array:
+    """Return the grey values (rows, columns) of a PNG file, as MuJoCo reads a height field.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be read, or is too large.
+    """
+    from PIL import Image  # slow to import
+
+    try:
+        with Image.open(path, formats=["PNG"]) as found:
+            columns, rows = found.size
+            if rows * columns > MOST_PIXELS:
+                text = (
+                    f"hfield '{name}' has {rows} x {columns} pixels, at most {MOST_PIXELS} are read"
+                )
+                raise ValueError(text)
+            pixels = np.asarray(found.convert("RGB") if found.mode == "P" else found, np.float64)
+    except (OSError, SyntaxError) as error:
+        text = f"hfield '{name}' is no picture that can be read: {type(error).__name__}"
+        raise ValueError(text) from None
+    return pixels if pixels.ndim == 2 else pixels[..., 0]
 
 
 def mujoco_mesh(path: Path) -> Array:

@@ -15,6 +15,7 @@ from jousto.robots.readers import checks
 from jousto.robots.readers.meshes import Folders
 from jousto.robots.readers.mjcf_bodies import Bodies, resistance_of
 from jousto.robots.readers.mjcf_collected import Collected
+from jousto.robots.readers.mjcf_softness import soft_words
 from jousto.robots.readers.mjcf_ties import (
     SINGLE,
     Motor,
@@ -22,7 +23,7 @@ from jousto.robots.readers.mjcf_ties import (
     read_ties,
     with_loop_joints,
 )
-from jousto.robots.readers.mjcf_words import CONTACT, PAIR_WORDS
+from jousto.robots.readers.mjcf_words import CONTACT, SOFT_WORDS
 from jousto.robots.readers.xml import Reading, parse_file
 
 
@@ -129,8 +130,9 @@ def pairs_of(model: Bodies) -> list[ShapePair]:
     for element in (x for section in model.root.all("contact") for x in section.all("pair")):
         a, b = (model.prefix + element.given.get(key, "") for key in ("geom1", "geom2"))
         friction, resistance = resistance_of(model.reading, element, 2)
-        unread = tuple(word for word in PAIR_WORDS if word in element.given)
-        pairs.append(ShapePair(a, b, friction, resistance, unread))
+        soft = soft_words(model.reading, element)
+        unread = tuple(word for word in (*SOFT_WORDS, "solreffriction") if word in element.given)
+        pairs.append(ShapePair(a, b, friction, resistance, unread, soft))
     return pairs
 
 

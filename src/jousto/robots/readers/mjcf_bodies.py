@@ -24,17 +24,15 @@ from jousto.robots.readers.mjcf_expand import (
 )
 from jousto.robots.readers.mjcf_geoms import Geom, Geoms
 from jousto.robots.readers.mjcf_settings import Places
-from jousto.robots.readers.mjcf_words import LOPSIDED, MJCF
+from jousto.robots.readers.mjcf_softness import soft_words
+from jousto.robots.readers.mjcf_words import LOPSIDED, MJCF, SOFT_WORDS, UNREAD
 from jousto.robots.readers.words import check_words
 from jousto.robots.readers.xml import DEEPEST, Element, Reading, parse_file
+from jousto.robots.softness import SoftConstraint
 
 TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "floating"}
 LOSSES = {"stiffness": "spring", "damping": "damper", "frictionloss": "frictionloss"}
 MOST_ATTACHED = 10_000  # maximum number of attached models
-UNREAD = {"priority": "0", "margin": "0", "gap": "0"} | dict.fromkeys(
-    ("solref", "solimp", "solmix")
-)
-"""Words on the contact of a geom that are not read, with the value that changes nothing."""
 OWN = {"stiffness": "stiffness", "damping": "damping", "frictionloss": "friction"}
 
 
@@ -180,12 +178,13 @@ class Bodies:
             self.found.untouching.append(str(error))
             return
         friction, resistance = resistance_of(self.reading, given, 1)
-        unread = tuple(
-            word for word in UNREAD if given.given.get(word, UNREAD[word]) != UNREAD[word]
-        )
+        usual = {**SOFT_WORDS, **UNREAD}
+        unread = tuple(word for word in usual if given.given.get(word, usual[word]) != usual[word])
+        softness = SoftConstraint(ratio=self.settings.pyramids, **soft_words(self.reading, given))
         made = Collision(
             *(self.name(given, "geom"), shape, place, link, 1.0 if friction is None else friction),
             *(resistance or Resistance(), masks[0], masks[1], unread, source),
+            softness=softness,
         )
         self.found.collisions.setdefault(link, []).append(made)
 

@@ -65,6 +65,13 @@ class Settings:
     gravity: Array = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
     off: set[str] = field(default_factory=set)
     idle_groups: set[int] = field(default_factory=set)
+    elliptic: bool = False
+    ratio: float = 1.0
+
+    @property
+    def pyramids(self) -> float:
+        """``impratio`` of pyramids of friction; 0 for elliptic cones."""
+        return 0.0 if self.elliptic else self.ratio
 
     @property
     def weight(self) -> Array:
@@ -79,6 +86,8 @@ def read_settings(reading: Reading, root: Element) -> Settings:
         _compiler(reading, element, found)
     for element in root.all("option"):
         found.gravity = reading.vector(element, "gravity", tuple(found.gravity))
+        found.elliptic = element.given.get("cone", "pyramidal") == "elliptic"
+        found.ratio = reading.number(element, "impratio", 1.0)
         groups = element.given.get("actuatorgroupdisable", "").split()
         found.idle_groups |= {int(x) for x in groups if x.isdigit()}
         for flag in element.all("flag"):

@@ -11,8 +11,10 @@ CONTACT = (
     "contact is off: bodies that touch pass through each other; contact=True of robots.mechanism "
     "turns it on"
 )
-PAIR_WORDS = ("solref", "solreffriction", "solimp", "margin", "gap")
-"""Words of ``<pair>`` that are not read."""
+SOFT_WORDS = {"solref": None, "solimp": None, "solmix": None, "margin": "0"}
+"""Words on the softness of a geom, which one law of contact takes, with the value of no effect."""
+UNREAD = {"surfacevel": "0", "adhesion": "0"}
+"""Words on the contact of a geom that no law takes, with the value that changes nothing."""
 SOFT = "the softness of constraints is not read: limits are stops, and ties are rigid"
 MEDIUM = "drag and lift of the medium are left out: bodies move as in a vacuum"
 FRAME = "the frame of a free body is its place in the file, from which its coordinates count"
@@ -30,10 +32,10 @@ DELAY = "the delay of the control signal is left out: the force follows immediat
 LAG = "the dynamics of the actuator are left out: the force follows the control signal immediately"
 UNTIED = "is ignored: the bodies that it ties move freely"
 POSE = "pos quat axisangle xyaxes zaxis euler"
-TOUCH = "contype conaffinity condim friction priority solmix solref solimp margin gap surfacevel"
+TOUCH = "contype conaffinity condim friction priority solmix solref solimp margin surfacevel"
 SOLVING = (
-    "timestep impratio tolerance ls_tolerance noslip_tolerance ccd_tolerance sleep_tolerance "
-    "magnetic o_margin o_solref o_solimp o_friction integrator cone jacobian solver iterations "
+    "timestep tolerance ls_tolerance noslip_tolerance ccd_tolerance sleep_tolerance "
+    "magnetic o_margin o_solref o_solimp o_friction integrator jacobian solver iterations "
     "ls_iterations noslip_iterations ccd_iterations sdf_iterations sdf_initpoints apirate "
     "collision mpr_tolerance mpr_iterations"
 )
@@ -84,7 +86,7 @@ TAGS: dict[str, Tag] = {
     ),
     "compiler/lengthrange": QUIET_TAG,
     "mujoco/option": Tag(
-        done="gravity actuatorgroupdisable",
+        done="gravity actuatorgroupdisable cone impratio",
         quiet=SOLVING,
         words={"density viscosity wind": warned(MEDIUM, "0")},
     ),
@@ -147,7 +149,7 @@ TAGS: dict[str, Tag] = {
     "body/geom": Tag(
         done="name class type size mass density shellinertia fromto mesh hfield group fitscale "
         f"{POSE}",
-        quiet="material rgba castshadow user fluidshape fluidcoef",
+        quiet="material rgba castshadow user fluidshape fluidcoef gap",
         words=_touch | {"plugin": refused("makes a shape that is not read; export it as a mesh")},
     ),
     "body/site": Tag(

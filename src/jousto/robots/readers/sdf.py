@@ -19,6 +19,7 @@ from jousto.robots.readers import checks
 from jousto.robots.readers.collisions import shape_of
 from jousto.robots.readers.meshes import Folders, solid_of
 from jousto.robots.readers.sdf_nested import flatten_model
+from jousto.robots.readers.sdf_surface import read_surface
 from jousto.robots.readers.sdf_words import CONTACT, SDF
 from jousto.robots.readers.urdf import roll_pitch_yaw
 from jousto.robots.readers.words import check_words
@@ -319,8 +320,7 @@ class _Reader:
             except ValueError as error:
                 self.untouching.append(str(error))
                 continue
-            friction, unread = self.friction(solid)
-            made = replace(made, name=f"{link} {name}", body=link, friction=friction, unread=unread)
+            made = replace(made, name=f"{link} {name}", body=link, **self.surface(solid))
             # links of a model touch if one of both asks for it
             found.append(replace(made, affinity=int(own in ("true", "1"))))
         return tuple(found)
@@ -353,25 +353,9 @@ class _Reader:
             raise ValueError(shape.tag if sizes is None else f"{shape.tag} without a size")
         return Collision("", made, at)
 
-    def friction(self, solid: Element) -> tuple[float, tuple[str, ...]]:
-        """Return the coefficient of friction of a shape, and the words on its surface not read."""
-        mu, unread = 1.0, []  # the default of the format
-        for surface in solid.all("surface"):
-            unread += [one.tag for one in surface.children if one.tag != "friction"]
-            for friction in surface.all("friction"):
-                unread += [one.tag for one in friction.children if one.tag != "ode"]
-                for ode in friction.all("ode"):
-                    mu = self.value(ode, "mu", 1.0)
-                    if mu < 0.0:
-                        self.reading.add(ode, f"mu is {mu:g}, must not be negative")
-                        mu = 0.0
-                    unread += [
-                        one.tag
-                        for one in ode.children
-                        if one.tag != "mu"
-                        and not (one.tag == "mu2" and self.value(ode, "mu2", 1.0) == mu)
-                    ]
-        return mu, tuple(dict.fromkeys(unread))
+    def surface(self, solid: Element) -> dict[str, Any]:
+        """Return friction, resistance, softness and unread words of a shape, fields of it."""
+        return read_surface(self.reading, solid, self.value)
 
     def value(self, element: Element, tag: str, spare: float) -> float:
         """Return the number in a child element, or a default."""

@@ -14,7 +14,8 @@ CONTACT = (
     "contact is off: links that touch pass through each other; contact=True of robots.mechanism "
     "turns it on"
 )
-ONE_LAW = "one law for all shapes"
+ONE_LAW = "contact: one law for all shapes; contact='file' takes kp, kd and bounce of the file"
+_one_law = warned(ONE_LAW, silent=True)
 _off = ("false", "0")
 _angles = Tag(done="degrees rotation_format relative_to")
 _plugin = Tag(whole=warned(PUSH))
@@ -89,9 +90,20 @@ TAGS = {
     "collision/geometry": Tag(
         words={"empty cone heightmap image polyline": warned("touches nothing", silent=True)}
     ),
-    "collision/surface": Tag(words={"bounce contact soft_contact": warned(ONE_LAW, silent=True)}),
-    "surface/friction": Tag(words={"torsional bullet": warned(ONE_LAW, silent=True)}),
-    "friction/ode": Tag(done="mu", words={"mu2 fdir1 slip1 slip2": warned(ONE_LAW, silent=True)}),
+    "collision/surface": Tag(words={"soft_contact": _one_law}),
+    "surface/friction": Tag(words={"bullet": _one_law}),
+    "surface/bounce": Tag(words={"restitution_coefficient threshold": _one_law}),
+    "surface/contact": Tag(
+        words={
+            "collide_without_contact collide_without_contact_bitmask collide_bitmask "
+            "category_bitmask poissons_ratio elastic_modulus bullet": _one_law
+        }
+    ),
+    "contact/ode": Tag(words={"kp kd soft_cfm soft_erp max_vel min_depth": _one_law}),
+    "friction/torsional": Tag(
+        done="coefficient patch_radius", words={"use_patch_radius surface_radius ode": _one_law}
+    ),
+    "friction/ode": Tag(done="mu", words={"mu2 fdir1 slip1 slip2": _one_law}),
     "visual/geometry": Tag(quiet="empty cone heightmap image polyline"),
     "visual/plugin": QUIET_TAG,
     "visual/meta": QUIET_TAG,

@@ -17,6 +17,7 @@ from jousto.robots.description import Collision, Frame, Link, Mimic, Robot, Robo
 from jousto.robots.readers import checks
 from jousto.robots.readers.collisions import shape_of
 from jousto.robots.readers.meshes import Folders, solid_of
+from jousto.robots.readers.urdf_surface import with_surfaces
 from jousto.robots.readers.urdf_transmissions import read_transmissions
 from jousto.robots.readers.urdf_words import URDF
 from jousto.robots.readers.words import check_words
@@ -95,6 +96,7 @@ def read_urdf(
         read_link(reading, folders, element, untouching, draw=meshes)
         for element in root.all("link")
     ]
+    links = with_surfaces(reading, root, links)
     joints = [read_joint(reading, element) for element in root.all("joint")]
     for element in root.children:
         if element.tag.startswith("xacro:"):

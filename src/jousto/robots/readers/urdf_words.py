@@ -7,6 +7,7 @@ from jousto.robots.readers.words import QUIET_TAG, Format, Tag, warned
 WEIGHT = (
     "the weight acts on this link, and no spring on this joint, even with other settings for Gazebo"
 )
+ONE_LAW = "contact: one law for all shapes; contact='file' takes kp and kd of the file"
 _pose = Tag(done="xyz rpy quat_xyzw")
 _transmission = Tag(done="type plugin", quiet="name")
 _end = Tag(
@@ -40,8 +41,10 @@ TAGS = {
     "transmission/passive_joint": QUIET_TAG,
     "transmission/use_simulated_gripper_joint": QUIET_TAG,
     "robot/gazebo": Tag(
+        done="mu1 mu",
         quiet="reference",
         words={
+            "mu2 kp kd minDepth maxVel": warned(ONE_LAW, silent=True),
             "gravity": warned(WEIGHT, "true", "1"),
             "turnGravityOff": warned(WEIGHT, "false", "0"),
             "springStiffness springReference": warned(WEIGHT, "0"),

@@ -41,6 +41,7 @@ FORMS: dict[str, Callable[[Any], Any]] = {
     "flag": lambda field: Flag,
     "number": lambda field: amount(field.unit),
     "number or word": lambda field: number_or_word(field),
+    "flag or choice": lambda field: flag_or_choice(field),
     "duration": lambda field: Seconds,
     "count": lambda field: Count,
     "numbers": lambda field: tuple[Number, ...],
@@ -82,6 +83,14 @@ def number_or_word(field: Any) -> Any:
     number = NOTED[amount(field.unit), Tag("number")]
     return NOTED[
         word | number, Discriminator(lambda value: "word" if value == field.word else "number")
+    ]
+
+
+def flag_or_choice(field: Any) -> Any:
+    """Return the type of a flag or one of the words of a field."""
+    word, flag = NOTED[Literal[field.words], Tag("word")], NOTED[Flag, Tag("flag")]
+    return NOTED[
+        word | flag, Discriminator(lambda value: "word" if isinstance(value, str) else "flag")
     ]
 
 
