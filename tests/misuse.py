@@ -52,6 +52,7 @@ SPECIAL = {
     "realtime",  # compiles a program each time
     "shape_distance",  # see tests/model/test_contact_pairs.py
     *("study", "read_distribution", "read_outcome"),  # see tests/design/studies
+    "read_modes",  # see tests/design/identification/test_modal.py
 }
 """Functions of planar frames and twins, for those who know them."""
 
@@ -814,10 +815,10 @@ def _hydraulics(made: Made, _: Path) -> list[Call]:
         (
             h.EfficiencyMap,
             {
-                "speeds": [100.0],
-                "pressures": [1e6],
-                "volumetric": [[0.9]],
-                "mechanical": [[0.9]],
+                "speeds": [100.0, 200.0],
+                "pressures": [1e6, 2e6],
+                "volumetric": [[0.9, 0.9], [0.9, 0.9]],
+                "mechanical": [[0.9, 0.9], [0.9, 0.9]],
             },
         ),
         (
@@ -958,6 +959,15 @@ forces: [{type: spring, name: spring, coordinate: rail.displacement, stiffness: 
         (design.Nataf, {"variables": pair, "correlation": {("a", "b"): 0.1}, "measure": "normal"}),
         (design.Rosenblatt, {"variables": pair}),
         (design.LimitState, {"function": state["limit"], "step": 1e-4, "name": "g"}),
+        (design.mac, {"a": np.eye(2), "b": np.eye(2)}),
+        (
+            design.identify,
+            {
+                "model": turn,
+                "parameters": jo.Parameter("mass", 2.0, unit="kg"),
+                "experiments": design.Values({"mass": (2.1, 0.1)}),
+            },
+        ),
         (design.limit_state, {"study": some, "limit": "m <= 3 kg", "step": 1e-4}),
         (design.form, {**state, "method": "hlrf", "start": {"a": 5.0, "b": 5.0}, "far": 9.0}),
         (design.sorm, {**state, "step": 0.1}),

@@ -47,8 +47,8 @@ static double distance3(const double *a, const double *b)
     return length3(x);
 }
 
-/* A convex function of the place: on a straight line its rate grows. Velocities that differ from those at the ends by at most `varied` change it by
- * as much, so the gap is above two lines through its ends; the value where these meet. */
+/* A convex function of the place is above its tangents at both ends. Mean velocities from an end on that differ from that at the end by at most
+ * `varied` change it by as much, so the gap is above two lines through its ends; the value where these meet. */
 static int may_touch_convex(const jo_approach *a, const jo_approach *b, double varied, double h)
 {
     const double falls = varied - a->rate, rises = b->highest + varied;
@@ -69,7 +69,8 @@ static int may_have_closed(const jo_approach *a, const jo_approach *b, double be
 {
     const double changed = distance3(a->v, b->v) + distance3(a->spin, b->spin);
     const double varied = JO_PARABOLA * (0.5 * changed + beyond), speed = fmax(jo_approach_speed(a), jo_approach_speed(b)) + varied;
-    if (a->convex && b->convex) return may_touch_convex(a, b, varied, h);
+    /* the mean of the parabola from an end to any instant differs from the velocity there by at most the whole change, not half of it */
+    if (a->convex && b->convex) return may_touch_convex(a, b, changed + JO_PARABOLA * beyond, h);
     const int alone = a->face == b->face && a->clear + b->clear > h * speed;
     const double curved = alone ? fmax(a->curvature, b->curvature) : INFINITY, bent = curved > 0.0 ? speed * speed * curved * h : 0.0;
     const double varies = varied + bent;

@@ -134,7 +134,8 @@ def test_a_program_has_samples_play_relays_and_tables(
     want = expected(model, run)
     assert np.abs(found - want).max() < 1e-9 * np.abs(want).max()
     assert {0.0, 2.0} == set(run["relay.y"][:, 0].tolist())
-    assert run["control.n"][-1, 0] == 34.0
+    # the sample of 1 s is late
+    assert run["control.n"][-1, 0] == 33.0
 
 
 @pytest.mark.parametrize(("core", "method"), [("joint", "ROS2"), ("maximal", "GeneralizedAlpha")])

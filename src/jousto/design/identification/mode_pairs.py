@@ -5,25 +5,45 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, Problem
+from jousto.base.errors import InputError, Problem, Problems
 
 APART = 0.1
 """Weight of a difference of frequencies (of their logarithms) beside that of shapes."""
 
 
-def mac(a: Array, b: Array) -> Array:
+@explained
+def mac(a: ArrayLike, b: ArrayLike) -> Array:
     """Return the modal assurance criterion (k, l) of real shapes (k, m) and (l, m).
 
     ``(a_i b_j)^2 / (a_i a_i b_j b_j)``: 1 for equal shapes of any scale, 0 for orthogonal ones
     (Allemang and Brown, Proc. 1st IMAC, 1982).
+
+    Raises
+    ------
+    InputError
+        If the shapes are no arrays of rows of one length.
 
     Examples
     --------
     >>> mac(np.array([[1.0, 2.0]]), np.array([[-2.0, -4.0], [2.0, -1.0]])).round(12)
     array([[1., 0.]])
     """
+    problems = Problems()
+    first = problems.array("mac", "a", a, (None, None))
+    second = problems.array("mac", "b", b, (None, None))
+    if first is not None and second is not None and first.shape[1] != second.shape[1]:
+        message = f"a and b have rows of {first.shape[1]} and {second.shape[1]} values"
+        problems.add("mac", f"{message}, must be measured at the same places")
+    problems.raise_if_any()
+    return _mac(np.asarray(first), np.asarray(second))
+
+
+def _mac(a: Array, b: Array) -> Array:
+    """Return the criterion of arrays."""
     products = (a @ b.T) ** 2
     sizes = np.outer(np.sum(a**2, axis=1), np.sum(b**2, axis=1))
     return np.asarray(np.divide(products, sizes, out=np.zeros_like(products), where=sizes > 0.0))
@@ -106,7 +126,7 @@ def pair_modes(
         raise InputError(Problem("modal data", message))
     cost = APART * np.abs(np.log(frequencies[None] / f[:, None]))
     if shapes is not None and computed is not None:
-        cost = cost + 1.0 - mac(shapes, computed)
+        cost = cost + 1.0 - _mac(shapes, computed)
     _, places = linear_sum_assignment(cost)
     clusters = _clusters(f, close)
     for own in clusters:
