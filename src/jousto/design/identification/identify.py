@@ -5,34 +5,23 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, Problem, Problems, warn
-from jousto.design.identification.bench import Bench
-from jousto.design.identification.certainty import Certainty, certainty
-from jousto.design.identification.experiment import Experiment
-from jousto.design.identification.identified import Fit, Identified
-from jousto.design.identification.modal import Modal, make_modal_bench
-from jousto.design.identification.prediction import make_bench
+from jousto.base.errors import InputError, warn
+from jousto.design.identification.identified import Identified
 from jousto.design.identification.remarks import asides, troubles
-from jousto.design.identification.residuals import Compared, Residuals
-from jousto.design.identification.search import LOSSES, Minimum, priors, robust, search, staged
+from jousto.design.identification.residuals import Residuals
+from jousto.design.identification.result import result_at
+from jousto.design.identification.search import Minimum, search, staged
+from jousto.design.identification.set_up import set_up
 from jousto.design.identification.step_choice import choose_solver, step_error
-from jousto.design.identification.unknowns import Unknown, unknowns as unknowns_of
-from jousto.design.identification.values import Values, make_values_bench
-from jousto.design.identification.whiteness import whiteness
-from jousto.design.studies.case import Settings
+from jousto.design.identification.unknowns import Unknown
 from jousto.design.studies.parameters.parameter import Parameter
-from jousto.design.studies.running.sources import choose_parameters, source_of
-from jousto.measurement.gauges.record import Record
 from jousto.simulation.solvers.base import Solver
-
-Measurement = Experiment | Values | Modal
 
 SAME = 1e-3
 """Relative change of an estimated noise at which the alternation ends."""
@@ -127,7 +116,7 @@ def identify(
     (50.0, array([50.  , 50.01]))
     """
     begun = clock.perf_counter()
-    residuals, checks, estimated = _set_up(
+    residuals, checks, estimated = set_up(
         model, parameters, experiments, check, loss, solver, starts, workers
     )
     u0 = np.array([own.u(own.start) for own in residuals.unknowns])
@@ -147,133 +136,15 @@ def identify(
             f"the steps of the runs move the sensors by {error:.2g} deviations of the noise: "
             "give a solver with a shorter step"
         )
-    found = _result(residuals, best, others, loss, estimated, checks, begun)
+    found = result_at(residuals, best, others, loss, estimated, checks)
     if found.certainty.unseen:
         best = _nearest(residuals, best, u0, found.certainty.hidden, loss)
-        found = _result(residuals, best, others, loss, estimated, checks, begun)
+        found = result_at(residuals, best, others, loss, estimated, checks)
     notes += troubles(found, residuals)
     for note in notes:
         warn("identify", note)
     notes += asides(found)
     return replace(found, notes=tuple(notes), seconds=clock.perf_counter() - begun)
-
-
-def _experiments(problems: Problems, given: Any, what: str) -> list[Measurement]:
-    """Return experiments from experiments, values, records and paths."""
-    if isinstance(given, Experiment | Values | Modal | Record | str | Path):
-        given = [given]
-    found: list[Measurement] = []
-    try:
-        for one in given:
-            found.append(one if isinstance(one, Experiment | Values | Modal) else Experiment(one))
-    except TypeError:
-        problems.add(
-            "identify", f"{what} is {given!r:.60}, must be an Experiment, a Record or a path"
-        )
-    except InputError as error:
-        problems.found += error.problems
-    return found
-
-
-def _set_up(
-    model: Any,
-    parameters: Any,
-    experiments: Any,
-    check: Any,
-    loss: str,
-    solver: Any,
-    starts: Any,
-    workers: Any,
-) -> tuple[Residuals, Residuals | None, tuple[bool, ...]]:
-    """Return the residuals of the fit and of the check, and which noises are estimated."""
-    problems = Problems()
-    if loss not in LOSSES:
-        problems.add("identify", f"loss is {loss!r}, must be one of {', '.join(LOSSES)}")
-    for name, value in (("starts", starts), ("workers", workers)):
-        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-            problems.add("identify", f"{name} is {value!r}, must be a whole number from 1 on")
-    fitted = _experiments(problems, experiments, "experiments")
-    checked = _experiments(problems, check, "check")
-    if not fitted and not problems.found:
-        problems.add("identify", "no experiment; give a record")
-    own: tuple[Parameter, ...] = ()
-    try:
-        source = source_of(model, Settings()) if model is not None else None
-        if source is None:
-            own = tuple([parameters] if isinstance(parameters, Parameter) else parameters or ())
-        else:
-            own = choose_parameters(source, parameters)
-    except InputError as error:
-        problems.found += error.problems
-    channels = tuple(dict.fromkeys(p for one in fitted for p in one.free))
-    names = [p.name for p in (*own, *channels)]
-    for name in dict.fromkeys(names):
-        if names.count(name) > 1:
-            problems.add(f"parameter {name!r}", "is the name of two unknowns")
-    problems.raise_if_any()
-    sought = unknowns_of(problems, (*own, *channels))
-    rooms = _benches(problems, fitted, model, own, solver, workers)
-    used = {int(k) for bench in rooms for k in bench.places}
-    for k, parameter in enumerate(own):
-        if k not in used:
-            message = "is unused: no argument of the function, parameter of the file or input"
-            problems.add(f"parameter {parameter.name!r}", f"{message} has its name")
-    problems.raise_if_any()
-    residuals, estimated = _compare(problems, rooms, sought)
-    n, p = sum(residuals.sizes), len(sought)
-    if n < p:
-        problems.add("identify", f"{p} unknown numbers, but {n} values")
-    problems.raise_if_any()
-    checks = None
-    if checked:
-        spare = _benches(problems, checked, model, own, solver, workers)
-        checks, _ = _compare(problems, spare, sought)
-        problems.raise_if_any()
-    return residuals, checks, estimated
-
-
-def _benches(
-    problems: Problems,
-    given: Sequence[Measurement],
-    model: Any,
-    parameters: Sequence[Parameter],
-    solver: Any,
-    workers: int,
-) -> tuple[Bench, ...]:
-    """Return the benches of measurements, or raise the error of all problems."""
-    found: list[Bench | None] = []
-    for one in given:
-        if isinstance(one, Values):
-            found.append(make_values_bench(problems, one, model, parameters))
-        elif isinstance(one, Modal):
-            found.append(make_modal_bench(problems, one, model, parameters))
-        else:
-            found.append(make_bench(problems, one, model, parameters, solver, workers))
-    problems.raise_if_any()
-    return tuple(bench for bench in found if bench is not None)
-
-
-def _compare(
-    problems: Problems, benches: Sequence[Bench], sought: tuple[Unknown, ...]
-) -> tuple[Residuals, tuple[bool, ...]]:
-    """Return the residuals of benches, from runs at the start values."""
-    theta = np.array([own.start for own in sought])
-    compared: list[Compared] = []
-    estimated: list[bool] = []
-    for k, bench in enumerate(benches):
-        (result,) = bench.results([theta])
-        if isinstance(result, Exception):
-            values = ", ".join(f"{own.name} {own.start:.6g}" for own in sought)
-            text = " / ".join(str(result).splitlines())
-            problems.add(bench.name, f"fails at {values}: {text}")
-            continue
-        for about in bench.compare(problems, result):
-            estimated.append(about.sd is None)
-            sd = about.sd
-            if sd is None:
-                sd = np.full(len(about.y), float(np.std(about.y)))
-            compared.append(Compared(k, about, sd))
-    return Residuals(tuple(benches), tuple(compared), sought), tuple(estimated)
 
 
 def _searched(
@@ -361,101 +232,3 @@ def _halved(residuals: Residuals) -> Any:
     """Return the method of the runs with half its step."""
     solver = residuals.solver
     return replace(solver, step=0.5 * solver.step)
-
-
-def _result(
-    residuals: Residuals,
-    best: Minimum,
-    others: Sequence[Minimum],
-    loss: str,
-    estimated: tuple[bool, ...],
-    checks: Residuals | None,
-    begun: float,
-) -> Identified:
-    """Return the result at the minimum: how sure it is, and the tests of its residuals."""
-    u, sought = best.u, residuals.unknowns
-    J = residuals.jacobian(u, central=True)
-    r = residuals.values(u)
-    _, first, second = robust(loss, r**2)
-    psi, curvature = first * r, first + 2.0 * second * r**2
-    n = len(r)
-    fits = _fits(residuals, u, len(sought))
-    trusted = []
-    for fit, free in zip(fits, estimated, strict=True):
-        spread = 4.0 * np.sqrt(2.0 / max(len(fit.time), 1))
-        trusted.append(loss == "linear" and (free or abs(fit.test.rms**2 - 1.0) < spread))
-    sure: Certainty = certainty(
-        J, priors(sought, u)[1], psi, curvature, residuals.sizes, sought, u, trusted
-    )
-    dof = n - sum(fit.outside for fit in fits) - len(sought)
-    dof -= sum(bench.scales for bench in residuals.benches)
-    runs = sum(
-        {id(b.evaluator.memory): b.evaluator.counts["runs"] for b in residuals.benches}.values()
-    )
-    minima = tuple(
-        (
-            {own.name: own.theta(x) for own, x in zip(sought, one.u, strict=True)},
-            2.0 * one.F / max(dof, 1),
-        )
-        for one in others
-    )
-    return Identified(
-        sought,
-        u,
-        sure,
-        fits,
-        () if checks is None else _fits(_as_fitted(checks, residuals), u, 0),
-        float(r @ r),
-        dof,
-        any(estimated),
-        minima,
-        (),
-        runs,
-        best.jacobians + 1,
-        clock.perf_counter() - begun,
-        loss,
-        residuals,
-    )
-
-
-def _as_fitted(checks: Residuals, fitted: Residuals) -> Residuals:
-    """Return the residuals of check records with the method and the estimated noise of the fit."""
-    solver = fitted.solver
-    made = checks if solver is None else checks.with_solver(solver)
-    noise = {one.about.channel: float(np.mean(one.sd)) for one in fitted.compared}
-    compared = []
-    for one in made.compared:
-        if one.about.sd is None and one.about.channel in noise:
-            one = replace(one, sd=np.full(len(one.sd), noise[one.about.channel]))
-        compared.append(one)
-    return replace(made, compared=tuple(compared))
-
-
-def _fits(residuals: Residuals, u: Array, unknowns: int) -> tuple[Fit, ...]:
-    """Return measured and fitted values of all comparisons, with the tests of the residuals."""
-    (shown,) = residuals.shown([u])
-    if isinstance(shown, Exception):
-        raise InputError(Problem("identify", " / ".join(str(shown).splitlines())))
-    r = residuals.of(shown, u)
-    n, first = len(r), 0
-    fits: list[Fit] = []
-    for one, (values, _) in zip(residuals.compared, shown, strict=True):
-        about = one.about
-        own = r[first : first + len(values)]
-        first += len(values)
-        there = np.isfinite(values)
-        fits.append(
-            Fit(
-                residuals.benches[one.bench].name,
-                about.channel,
-                about.sensor,
-                about.unit,
-                about.time,
-                about.y,
-                np.where(there, about.y + own * one.sd, np.nan),
-                one.sd,
-                whiteness(own[there], about.y[there], one.sd[there], unknowns * len(own) / n),
-                int(np.count_nonzero(~there)),
-            )
-        )
-    return tuple(fits)
