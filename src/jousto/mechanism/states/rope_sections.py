@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -20,8 +20,33 @@ from jousto.mechanism.joints.coordinate import AXES, Displacement
 from jousto.mechanism.states import expression as e
 from jousto.mechanism.states.block import Equations
 
-if TYPE_CHECKING:
-    from jousto.mechanism.states.reeving import Reeving
+
+class Reeved(Protocol):
+    """What the sections of a rope need of it; see `Reeving`."""
+
+    radii: Any
+    stiffness: Any
+    damping: Any
+    length: Any
+    efficiencies: Any
+    winch: Any
+    drum: Any
+    drum_radius: Any
+    mass_per_length: Any
+    turning: Any
+    rims: Any
+    route: Any
+
+    @property
+    def parts(self) -> tuple[Any, ...]:
+        """Parts of the rope between the markers of its path."""
+
+    @property
+    def initial_length(self) -> float:
+        """Length of the path at the initial pose, m."""
+
+    def loss(self, eta: Any, speed: Any) -> Any:
+        """Return the tension behind a sheave over that before it at a speed of the rope, m/s."""
 
 
 class Middle(NamedTuple):
@@ -147,16 +172,14 @@ class Pull(NamedTuple):
         return self.tension + 0.5 * EA * self.strain * self.strain
 
 
-def add_sections(
-    made: Equations, rope: Reeving, x: Mapping[str, Any], paid: Any, rate: Any
-) -> None:
+def add_sections(made: Equations, rope: Reeved, x: Mapping[str, Any], paid: Any, rate: Any) -> None:
     """Add the equations of a rope whose tension differs along it.
 
     Parameters
     ----------
     made : Equations
         Equations of the rope.
-    rope : Reeving
+    rope : Reeved
         The rope.
     x : mapping of str to Expression
         Its states.
@@ -227,7 +250,7 @@ def add_sections(
     }
 
 
-def _sections(rope: Reeving, middles: list[Middle]) -> tuple[list[Section], list[Any]]:
+def _sections(rope: Reeved, middles: list[Middle]) -> tuple[list[Section], list[Any]]:
     """Return the sections of a rope, and the stations between them."""
     sections = [Section([], [])]
     stations: list[Any] = []
@@ -256,7 +279,7 @@ def _sections(rope: Reeving, middles: list[Middle]) -> tuple[list[Section], list
 
 
 def _pull(
-    rope: Reeving, section: Section, length: Any, free: Any, strain: Any, change: Any, flow: Any
+    rope: Reeved, section: Section, length: Any, free: Any, strain: Any, change: Any, flow: Any
 ) -> Pull:
     """Return the tension of a section whose unstretched length changes by `change`, m/s."""
     elastic = rope.stiffness * (length / free - 1.0)
@@ -278,7 +301,7 @@ def _pull(
 
 def _add_heavy_part(
     made: Equations,
-    rope: Reeving,
+    rope: Reeved,
     middles: list[Middle],
     k: int,
     pulls: list[Any],
@@ -309,7 +332,7 @@ def _add_heavy_part(
     return 0.5 * m * middle.speed * middle.speed
 
 
-def _over_rim(rope: Reeving, middles: list[Middle], i: int, rate: Any) -> Any:
+def _over_rim(rope: Reeved, middles: list[Middle], i: int, rate: Any) -> Any:
     """Return the speed of the rope over the rim at the marker i of its path, m/s."""
     if i == 0:
         return rate
@@ -338,13 +361,13 @@ class Rim(NamedTuple):
     velocity: Array
 
 
-def rims_of(rope: Reeving) -> tuple[tuple[Rim, Rim], ...]:
+def rims_of(rope: Reeved) -> tuple[tuple[Rim, Rim], ...]:
     """Return the points at which both ends of all parts leave their sheaves."""
     parts = range(len(rope.parts))
     return tuple((_rim(rope, k, k), _rim(rope, k, k + 1)) for k in parts)
 
 
-def _rim(rope: Reeving, k: int, i: int) -> Rim:
+def _rim(rope: Reeved, k: int, i: int) -> Rim:
     """Return the point at which the part k leaves the sheave at the marker i."""
     marker: Marker = rope.route.path[i]
     arm = rope.radii[i] * np.cross(rope.route.ways[k], rope.route.axles[i])
@@ -361,7 +384,7 @@ def _rim(rope: Reeving, k: int, i: int) -> Rim:
     return Rim(tuple(Displacement(origin, marker, axis) for axis in AXES), fixed, velocity)
 
 
-def _middle(rope: Reeving, k: int, x: Mapping[str, Any]) -> Middle:
+def _middle(rope: Reeved, k: int, x: Mapping[str, Any]) -> Middle:
     """Return the middle of a part with its motion."""
     places, velocities = [], []
     for rim in rope.rims[k]:
@@ -377,7 +400,7 @@ def _middle(rope: Reeving, k: int, x: Mapping[str, Any]) -> Middle:
     return Middle(k, shift, speed, way, (velocities[0], velocities[1]))
 
 
-def start_states(rope: Reeving) -> dict[str, float]:
+def start_states(rope: Reeved) -> dict[str, float]:
     """Return the initial states of a rope with mass that moves with the bodies on its path."""
     made: dict[str, float] = {}
     flow: Any = 0.0 if rope.winch is None else rope.winch(0.0)
