@@ -240,7 +240,7 @@ def test_single_values_and_a_record_are_fitted_together():
         Values({"mass": (2.0, 0.01), "frequency(1)": (5.0 / (2 * np.pi), "1 %")}),
     ]
     found = identify(machine, sought, given, solver=jo.RK4(1e-2))
-    assert found["mass"] == pytest.approx(2.0, rel=1e-6)
+    assert abs(found["mass"] - 2.0) < 0.05 * found.sd("mass")
     assert found.sd("mass") == pytest.approx(0.01, rel=1e-3)
     assert found["k"] == pytest.approx(50.0, rel=1e-3)
     assert "frequency(1)" in str(found)
