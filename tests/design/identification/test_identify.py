@@ -175,6 +175,7 @@ def test_wrong_noise_is_said_and_intervals_use_the_residuals():
     assert wrong.sd("k") == pytest.approx(right.sd("k"), rel=0.1)
 
 
+@pytest.mark.slow
 def test_wild_samples_do_not_spoil_a_robust_loss():
     t, x = released(samples=201)
     k = jo.Parameter("k", 40.0, unit="N/m")
@@ -312,6 +313,7 @@ def test_profile_of_a_root_spring():
     assert found.profile("k", [11323.0, 19448.0]) == pytest.approx([3.841, 3.841], abs=2e-3)
 
 
+@pytest.mark.slow
 def test_a_root_that_may_be_rigid_has_an_open_interval():
     """Published case: at 1.2 % noise 9134 to infinity."""
     low, high = root_spring(1.2).profile_interval("k")
