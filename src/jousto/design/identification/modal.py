@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +15,12 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, count, warn
 from jousto.base.files import check_input
 from jousto.base.object_repr import described
+from jousto.design.identification.bench import StillBench, machines_of
 from jousto.design.identification.experiment import Comparison
 from jousto.design.identification.mode_pairs import Pairing, pair_modes
 from jousto.design.studies.case import Settings
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.running.evaluator import Evaluator
-from jousto.design.studies.running.sources import Memory, source_of
 from jousto.model.model import Model
 from jousto.simulation.modes.linear import MechanismModes, modes, nodal_displacements, rotations
 
@@ -240,25 +240,8 @@ def _frequency(s: dict[str, Any]) -> float:
     return abs(complex(s["eig"])) / (2.0 * np.pi)
 
 
-@dataclass(frozen=True, eq=False)
-class ModalBench:
+class ModalBench(StillBench):
     """Bench of a hammer test; see `Bench`. Its result is a `Pairing`."""
-
-    experiment: Modal
-    evaluator: Evaluator
-    places: Array
-    t_end: float | None = None
-    solver: Any = None
-
-    @property
-    def name(self) -> str:
-        """Name for tables and messages."""
-        return self.experiment.name
-
-    @property
-    def steps(self) -> tuple[float, float]:
-        """Steps of differences: eigenvalues are found by iterations."""
-        return 1e-5, 1e-4
 
     @property
     def scales(self) -> int:
@@ -355,14 +338,6 @@ class ModalBench:
             values = result.shape(int(number) - 1)
         return values, np.zeros(len(values))
 
-    def with_solver(self, solver: Any) -> ModalBench:
-        """Return the same bench: nothing runs over time."""
-        return self
-
-    def until(self, share: float) -> ModalBench:
-        """Return the same bench: nothing is compared over time."""
-        return self
-
 
 def _single(name: str, unit: str, value: float, sd: float) -> Comparison:
     """Return the comparison of one number."""
@@ -382,17 +357,7 @@ def make_modal_bench(
     problems: Problems, experiment: Modal, model: Any, parameters: Sequence[Parameter]
 ) -> ModalBench | None:
     """Return the bench of a hammer test; None, with problems, if there is none."""
-    own = model if experiment.model is None else experiment.model
-    if own is None:
-        problems.add(experiment.where, "has no model; give one to identify or to the modal data")
+    made = machines_of(problems, experiment, model, parameters, Settings())
+    if made is None:
         return None
-    try:
-        source = source_of(own, Settings())
-        taken = {p.name: p.value for p in parameters if source.takes(p.name)}
-        source.machine(taken, Memory())
-    except InputError as error:
-        problems.found += error.problems
-        return None
-    used = [k for k, p in enumerate(parameters) if p.name in taken]
-    chosen = tuple(replace(parameters[k], bounds=None, distribution=None) for k in used)
-    return ModalBench(experiment, Evaluator(source, chosen, ()), np.array(used, dtype=int))
+    return ModalBench(experiment, Evaluator(made.source, made.parameters, ()), made.places)

@@ -12,11 +12,11 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.design.identification.bench import machines_of
 from jousto.design.identification.experiment import Comparison, Experiment, comparisons
 from jousto.design.studies.case import Case, Settings, run_together
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.running.evaluator import Evaluator
-from jousto.design.studies.running.sources import Memory, source_of
 from jousto.measurement.gauges.record import record_of
 from jousto.mechanism.signals.piecewise import Table
 from jousto.model.model import Model
@@ -33,7 +33,7 @@ FINER = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class RecordBench:
     """Machine of an experiment, which is run at any point.
 
     Parameters
@@ -123,12 +123,12 @@ class Bench:
         except Exception as error:
             return error
 
-    def with_solver(self, solver: Any) -> Bench:
+    def with_solver(self, solver: Any) -> RecordBench:
         """Return the bench with another method or step."""
         how = {**self.how, "solver": solver}
         return replace(self, evaluator=self._evaluator(self.t_end, how), how=how)
 
-    def until(self, share: float) -> Bench:
+    def until(self, share: float) -> RecordBench:
         """Return the bench whose runs end at a share of the time."""
         step = self.how["output_step"]
         count = max(round(share * self.t_end / step), 1)
@@ -168,7 +168,7 @@ def make_bench(
     parameters: Sequence[Parameter],
     solver: Any,
     workers: int,
-) -> Bench | None:
+) -> RecordBench | None:
     """Return the bench of an experiment; None, with a problem, if there is none.
 
     Parameters
@@ -183,10 +183,6 @@ def make_bench(
     workers : int
     """
     record = experiment.record
-    own = model if experiment.model is None else experiment.model
-    if own is None:
-        problems.add(experiment.where, "has no model; give one to identify or to the experiment")
-        return None
     shifted = any(value for value in experiment.shift.values())
     step, t_end = _output_step(record.time, shifted)
     how: dict[str, Any] = {"output_step": step}
@@ -196,23 +192,23 @@ def make_bench(
         how["state"] = experiment.state
     if experiment.rest is not None:
         how["state"] = AtRest(dict(experiment.rest))
+    made = machines_of(problems, experiment, model, parameters, Settings(t_end, how, {}))
+    if made is None:
+        return None
+    known = tuple(made.start.inputs)
     try:
-        source = source_of(own, Settings(t_end, how, {}))
-        taken = {p.name: p.value for p in parameters if source.takes(p.name)}
-        known = tuple(source.machine(taken, Memory()).model.inputs)
         signals, held = _drives(problems, experiment, known, round(t_end / step), step)
-        source = source_of(own, Settings(t_end, how, signals))
     except InputError as error:
         problems.found += error.problems
         return None
-    used = [k for k, p in enumerate(parameters) if p.name in taken or p.name in known]
-    for name in (parameters[k].name for k in used):
-        if name in signals or name in held:
+    for parameter in made.parameters:
+        if parameter.name in signals or parameter.name in held:
             message = f"is driven by a channel of {experiment.where}, too"
-            problems.add(f"parameter {name!r}", message)
-    chosen = tuple(replace(parameters[k], bounds=None, distribution=None) for k in used)
-    made = Evaluator(source, chosen, ())
-    return Bench(experiment, made, np.array(used, dtype=int), t_end, how, held, workers)
+            problems.add(f"parameter {parameter.name!r}", message)
+    source: Any = made.source
+    driven = replace(source, settings=Settings(t_end, how, signals))
+    evaluator = Evaluator(driven, made.parameters, ())
+    return RecordBench(experiment, evaluator, made.places, t_end, how, held, workers)
 
 
 def _drives(

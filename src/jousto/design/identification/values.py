@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,13 +12,13 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.object_repr import described
+from jousto.design.identification.bench import StillBench, machines_of
 from jousto.design.identification.experiment import Comparison
 from jousto.design.studies.case import Settings
 from jousto.design.studies.outcomes.outcome import Outcome
 from jousto.design.studies.outcomes.outcomes import read_outcomes
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.running.evaluator import Evaluator
-from jousto.design.studies.running.sources import Memory, source_of
 from jousto.simulation.statics.equilibrium import equilibrium
 
 MOMENT = 1e-3
@@ -113,30 +113,8 @@ def _read(problems: Problems, where: str, name: str, pair: Any) -> tuple[float, 
     return value, sd
 
 
-@dataclass(frozen=True, eq=False)
-class ValuesBench:
+class ValuesBench(StillBench):
     """Bench of single values; see `Bench`."""
-
-    experiment: Values
-    evaluator: Evaluator
-    places: Array
-    t_end: float | None = None
-    solver: Any = None
-
-    @property
-    def name(self) -> str:
-        """Name for tables and messages."""
-        return self.experiment.name
-
-    @property
-    def steps(self) -> tuple[float, float]:
-        """Steps of differences: eigenvalues and positions of rest are found by iterations."""
-        return 1e-5, 1e-4
-
-    @property
-    def scales(self) -> int:
-        """Number of scales that are fitted beside the unknowns."""
-        return 0
 
     def results(self, points: Sequence[Array]) -> list[Any]:
         """Return the outcomes (k,) at points (np,) of all unknowns, or the error of each."""
@@ -169,39 +147,24 @@ class ValuesBench:
         k = [name_of(key) for key in self.experiment.values].index(comparison.channel)
         return result[k : k + 1], np.zeros(1)
 
-    def with_solver(self, solver: Any) -> ValuesBench:
-        """Return the same bench: its runs are those of `study`."""
-        return self
-
-    def until(self, share: float) -> ValuesBench:
-        """Return the same bench: nothing is compared over time."""
-        return self
-
 
 def make_values_bench(
     problems: Problems, experiment: Values, model: Any, parameters: Sequence[Parameter]
 ) -> ValuesBench | None:
     """Return the bench of values; None, with problems, if there is none."""
-    own = model if experiment.model is None else experiment.model
-    if own is None:
-        problems.add(experiment.where, "has no model; give one to identify or to the values")
+    state = experiment.state if experiment.t_end is not None else equilibrium
+    how = {} if state is None else {"state": state}
+    settings = Settings(experiment.t_end or MOMENT, how, dict(experiment.inputs))
+    made = machines_of(problems, experiment, model, parameters, settings)
+    if made is None:
         return None
+    sensors = {f"{s.name}.{c}" for s in made.start.sensors for c in s.components}
+    sensors |= {s.name for s in made.start.sensors}
+    texts = [f"first({key})" if key in sensors else key for key in experiment.values]
     try:
-        state = experiment.state if experiment.t_end is not None else equilibrium
-        how = {} if state is None else {"state": state}
-        settings = Settings(experiment.t_end or MOMENT, how, dict(experiment.inputs))
-        source = source_of(own, settings)
-        taken = {p.name: p.value for p in parameters if source.takes(p.name)}
-        model_ = source.machine(taken, Memory()).model
-        sensors = {f"{s.name}.{c}" for s in model_.sensors for c in s.components}
-        sensors |= {s.name for s in model_.sensors}
-        texts = [f"first({key})" if key in sensors else key for key in experiment.values]
-        outcomes: tuple[Outcome, ...] = read_outcomes(texts)
-        used = [k for k, p in enumerate(parameters) if p.name in taken or p.name in model_.inputs]
-        chosen = tuple(replace(parameters[k], bounds=None, distribution=None) for k in used)
-        made = Evaluator(source, chosen, outcomes)
-        made.check()
+        evaluator = Evaluator(made.source, made.parameters, read_outcomes(texts))
+        evaluator.check()
     except InputError as error:
         problems.found += error.problems
         return None
-    return ValuesBench(experiment, made, np.array(used, dtype=int))
+    return ValuesBench(experiment, evaluator, made.places)
