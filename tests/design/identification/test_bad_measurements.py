@@ -107,6 +107,16 @@ def test_parameters_that_nothing_uses_or_have_one_name():
     assert "parameter 'k': is the name of two unknowns" in text
 
 
+def test_a_check_record_seeks_nothing_of_its_own():
+    bias = {"x": jo.Parameter("bias", 0.0, unit="m")}
+    text = sentences(machine, stiffness(), given(), check=given(bias=bias))
+    assert "parameter 'bias': is sought for a channel of a check record" in text
+    found = identify(
+        machine, stiffness(), given(bias=bias), check=given(bias=bias), solver=jo.RK4(1e-2)
+    )
+    assert found.checks[0].test.rms == pytest.approx(found.fits[0].test.rms, rel=0.02)
+
+
 def test_a_machine_that_fails_at_the_start():
     text = sentences(machine, jo.Parameter("k", -1e9, unit="N/m"), given())
     assert "stiffness is -1e+09, must not be negative" in text

@@ -60,6 +60,10 @@ def set_up(
     for name in dict.fromkeys(names):
         if names.count(name) > 1:
             problems.add(f"parameter {name!r}", "is the name of two unknowns")
+    for name in dict.fromkeys(p.name for one in checked for p in one.free):
+        if name not in names:
+            message = "is sought for a channel of a check record, which is never fitted"
+            problems.add(f"parameter {name!r}", message)
     problems.raise_if_any()
     sought = unknowns_of(problems, (*own, *channels))
     rooms = _benches(problems, fitted, model, own, solver, workers)
