@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -81,11 +82,12 @@ class ContactPoint:
 def contact_sources(model: Model) -> dict[str, Any]:
     """Return what the numbers of forces and shapes in contacts mean, as JSON.
 
-    "contacts" has ``[force, name, tip, body a, body b, thickness, restitution]`` of each contact of
-    two shapes: size of the smaller shape, m, and the restitution that is asked for, 0 if not known.
-    "sets" has ``[first slot, last slot, name, shapes, bodies, sizes, surfaces, restitutions]`` of
-    each set: names, bodies, sizes (m) and surfaces of its shapes, and the restitution between
-    surfaces.
+    "contacts" has ``[force, name, tip, body a, body b, thickness, restitution, slowest]`` of each
+    contact of two shapes: size of the smaller shape, m, the restitution that is asked for, 0 if not
+    known, and the speed of approach above which touches have it, m/s; None for impulses.
+    "sets" has ``[first slot, last slot, name, shapes, bodies, sizes, surfaces, restitutions,
+    slowest]`` of each set: names, bodies, sizes (m) and surfaces of its shapes, and restitution and
+    speed between surfaces.
     """
     contacts: list[Any] = []
     sets: list[Any] = []
@@ -94,12 +96,19 @@ def contact_sources(model: Model) -> dict[str, Any]:
         if force.slots:
             at = [_body_of(model, marker) for marker in force.touches]
             about = [force.shapes, at, force.sizes, force.surfaces, force.restitutions]
+            about.append([[_finite(x) for x in row] for row in force.slowest_each])
             sets.append([i + 1, i + force.slots, force.name, *about])
         elif force.points and not (sets and i <= sets[-1][1]):
             tip = tips[force.name] = tips.get(force.name, -1) + 1
             bodies = (_body_of(model, force.a), _body_of(model, force.b))
-            contacts.append([i, force.name, tip, *bodies, force.thickness, force.restitution])
+            rebound = (force.thickness, force.restitution, _finite(force.slowest))
+            contacts.append([i, force.name, tip, *bodies, *rebound])
     return {"contacts": contacts, "sets": sets}
+
+
+def _finite(number: float) -> float | None:
+    """Return a number, None if it is infinite, which JSON does not have."""
+    return number if isfinite(number) else None
 
 
 def _body_of(model: Model, marker: int) -> str:

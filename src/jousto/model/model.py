@@ -268,8 +268,9 @@ class ForceModel:
     `other` is a second coordinate along which it acts, -1 for none; `release` is the event that
     removes it, -1 for none; `state` is the first of its first-order
     states; `element` is the kind of the declared force, such as "servo". `touches`, `coupled`,
-    `dense`, `slots`, `shapes`, `sizes`, `surfaces` and `restitutions` of a set of contacts are as
-    in `Packed`; `openings`, `pressure`, `thickness` and `restitution` are as in `Push`.
+    `dense`, `slots`, `shapes`, `sizes`, `surfaces`, `restitutions` and `slowest_each` of a set of
+    contacts are as in `Packed`; `openings`, `pressure`, `thickness`, `restitution` and `slowest`
+    are as in `Push`.
     """
 
     name: str
@@ -300,9 +301,11 @@ class ForceModel:
     pressure: float = 0.0
     thickness: float = 0.0
     restitution: float = 0.0
+    slowest: float = 0.0
     sizes: tuple[float, ...] = ()
     surfaces: tuple[int, ...] = ()
     restitutions: tuple[tuple[float, ...], ...] = ()
+    slowest_each: tuple[tuple[float, ...], ...] = ()
 
     @property
     def points(self) -> int:

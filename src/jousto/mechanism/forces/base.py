@@ -42,6 +42,8 @@ class Packed:
         Number of the surface of each shape.
     restitution : tuple of tuple of float
         Coefficients of restitution that are asked for between any two surfaces; 0: not known.
+    slowest : tuple of tuple of float
+        Speeds of approach between any two surfaces above which a touch has that restitution, m/s.
     """
 
     data: Array
@@ -53,6 +55,7 @@ class Packed:
     sizes: tuple[float, ...] = ()
     surfaces: tuple[int, ...] = ()
     restitution: tuple[tuple[float, ...], ...] = ()
+    slowest: tuple[tuple[float, ...], ...] = ()
 
 
 @described
@@ -98,6 +101,9 @@ class Push:
     thickness, restitution : float
         Of a contact: size of the smaller shape, m, and coefficient of restitution that is asked
         for; 0: not known.
+    slowest : float
+        Of a contact: speed of approach above which a touch has that restitution, m/s; infinite
+        where faster touches are impulses, which are no forces.
     """
 
     kind: str
@@ -122,6 +128,7 @@ class Push:
     pressure: float = 0.0
     thickness: float = 0.0
     restitution: float = 0.0
+    slowest: float = 0.0
 
 
 class ForceElement(Declared, section="forces"):

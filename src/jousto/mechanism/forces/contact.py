@@ -321,6 +321,7 @@ class Contact(ForceElement, tag="contact"):
             pressure=pressure,
             thickness=self._thickness,
             restitution=self.law.asked,
+            slowest=judged_from(self.law, self.resolve),
         )
 
     @property
@@ -336,6 +337,7 @@ class Contact(ForceElement, tag="contact"):
             states=tuple(point_states(most_points(on, of))),
             thickness=self._thickness,
             restitution=self.law.asked,
+            slowest=judged_from(self.law, self.resolve),
         )
 
     @property
@@ -370,6 +372,14 @@ def touch_numbers(force: Any, law: Mapping[str, float], mass: float) -> dict[str
         "mass": mass,
         "duration": duration(mass, law["stiffness"], law["exponent"]),
     }
+
+
+def judged_from(law: Any, resolve: str) -> float:
+    """Return the speed of approach above which a touch has the restitution of its law, m/s.
+
+    Infinite for touches that are impulses: what is left for the force is rest.
+    """
+    return inf if resolve == "impulse" else float(getattr(law, "slowest", 0.0))
 
 
 def tip_numbers(on: Shape, tip: Tip) -> dict[str, Any]:

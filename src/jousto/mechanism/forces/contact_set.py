@@ -47,6 +47,7 @@ from jousto.mechanism.forces.contact import (
     STATES,
     TURN,
     check_restitution,
+    judged_from,
     point_states,
     refuse_turn,
 )
@@ -411,6 +412,10 @@ class Contacts(ForceElement, tag="contacts"):
             surfaces=tuple(kinds),
             restitution=tuple(
                 tuple(self._law_between(a, b).law.asked for b in names) for a in names
+            ),
+            slowest=tuple(
+                tuple(judged_from(self._law_between(a, b).law, self.resolve) for b in names)
+                for a in names
             ),
         )
 

@@ -25,6 +25,7 @@ from jousto.mechanism.forces.contact import (
     SHEAR,
     STATES,
     check_restitution,
+    judged_from,
     tip_numbers,
     touch_numbers,
 )
@@ -217,6 +218,7 @@ class SkinContact(ForceElement, tag="skin-contact"):
                     states=tuple(STATES),
                     thickness=thickness,
                     restitution=self.law.asked,
+                    slowest=judged_from(self.law, self.resolve),
                 )
             )
         return tuple(found)

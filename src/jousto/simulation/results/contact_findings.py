@@ -31,7 +31,7 @@ def contact_findings(events: Sequence[Any], pairs: Sequence[Any], run: Any) -> t
     run : Solution
         The run.
     """
-    found = [_few_steps(events, run), _deep(events, pairs), _restitution(events, pairs, run)]
+    found = [_few_steps(events, pairs), _deep(events, pairs), _restitution(events, pairs, run)]
     proof = str(run.attributes.get("contacts", ""))
     if proof.startswith("unproven"):
         found.append(f"contacts may have been missed: {proof}")
@@ -48,9 +48,16 @@ def _name(event: Any) -> str:
     return f"'{event.contact}' ({event.a} - {event.b})"
 
 
-def _few_steps(events: Sequence[Any], run: Any) -> str:
-    """Report whole contacts with fewer than `FEW` steps."""
-    few = [one for one in events if np.isfinite(one.part) and one.steps < FEW]
+def _rebounds(event: Any, pair: Any) -> bool:
+    """Whether a contact is a rebound that has the restitution of its law, not rest."""
+    faster = pair.slowest is not None and event.approach > pair.slowest
+    return bool(faster and np.isfinite(event.part))
+
+
+def _few_steps(events: Sequence[Any], pairs: Sequence[Any]) -> str:
+    """Report rebounds with fewer than `FEW` steps."""
+    both = zip(events, pairs, strict=True)
+    few = [one for one, pair in both if one.steps < FEW and _rebounds(one, pair)]
     if not few:
         return ""
     worst = min(few, key=lambda one: one.steps)
@@ -85,7 +92,7 @@ def _restitution(events: Sequence[Any], pairs: Sequence[Any], run: Any) -> str:
     worst, most = None, MISSED
     for event, pair in zip(events, pairs, strict=True):
         duration = event.part - event.touch
-        free = np.isfinite(duration) and event.approach > QUICK * gravity * duration
+        free = _rebounds(event, pair) and event.approach > QUICK * gravity * duration
         # a rebound that is faster than the approach has another cause
         if not (pair.restitution and free and 0.0 < event.rebound <= event.approach):
             continue

@@ -230,28 +230,32 @@ def points_at(model: Model, state: State, *, near: bool = False) -> list[Contact
 
 @dataclass(frozen=True)
 class Pair:
-    """Two shapes that touch: contact, a, b and tip, size of the smaller one, m, and restitution."""
+    """Two shapes that touch: contact, a, b and tip, size of the smaller one, m, and restitution.
+
+    Touches have the restitution where they approach faster than `slowest`, m/s; none if it is None.
+    """
 
     words: tuple[str, str, str, int]
     thickness: float = 0.0
     restitution: float = 0.0
+    slowest: float | None = 0.0
 
 
 def pairs_of(sources: dict[str, Any]) -> Callable[[int, int, int], Pair]:
     """Return the function that gives the `Pair` of a force, a shape and the other shape."""
     single = {
-        force: Pair((name, a, b, tip), thickness, restitution)
-        for force, name, tip, a, b, thickness, restitution in sources["contacts"]
+        force: Pair((name, a, b, tip), *about)
+        for force, name, tip, a, b, *about in sources["contacts"]
     }
 
     def of(force: int, on: int, other: int) -> Pair:
         if force in single:
             return single[force]
-        for first, last, name, shapes, _, sizes, surfaces, restitutions in sources["sets"]:
+        for first, last, name, shapes, _, sizes, surfaces, *tables in sources["sets"]:
             if first <= force <= last and 0 <= min(on, other):
                 thickness = min((x for x in (sizes[on], sizes[other]) if x > 0.0), default=0.0)
-                asked = restitutions[surfaces[on]][surfaces[other]]
-                return Pair((name, shapes[on], shapes[other], 0), thickness, asked)
+                asked = (table[surfaces[on]][surfaces[other]] for table in tables)
+                return Pair((name, shapes[on], shapes[other], 0), thickness, *asked)
         return Pair((f"force {force}", str(on), str(other), 0))
 
     return of
