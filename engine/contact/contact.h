@@ -141,9 +141,13 @@ typedef struct {
 
 /* Gap of two polytopes, m, without their radii, normal, and how it was found: face of a or b, vertices of two edges, closest points. vertex: of a
  * and of b, one of the closest points where they are apart. Of round shapes: `part` of each with the
- * numbers in `of`, or a face; else the face near the direction, if there is one. */
+ * numbers in `of`, or a face; else the face near the direction, if there is one. edges: the gap is that along the normal across two edges, which is
+ * near that of the face whose corners touch. */
 typedef enum { JO_CLOSEST_POINTS, JO_FACE_A, JO_FACE_B, JO_EDGES, JO_ROUND_PARTS } jo_separation_kind;
-typedef struct { int kind, of[4], count[2], vertex[2], round, part[2], near, near_face; double gap, normal[3]; } jo_separated;
+typedef struct {
+    int kind, of[4], count[2], vertex[2], round, part[2], near, near_face, edges, edge[4];
+    double gap, normal[3], across[3];
+} jo_separated;
 
 /* Corner of the area in which two faces touch: code of its features, share of a stiffness of a corner, place */
 typedef struct { double code, weight, at[3]; } jo_corner;

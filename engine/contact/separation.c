@@ -101,6 +101,34 @@ static void try_edges(search *t, int va, int vb, const double *towards)
     }
 }
 
+/* the edge at a vertex that is most nearly across n: its other end */
+static int edge_across(const jo_polytope *p, int vertex, const double *n)
+{
+    double x[3], u[3], least = INFINITY;
+    int found = vertex;
+    for (int i = jo_whole(p->near[vertex]); i < jo_whole(p->near[vertex + 1]); i++) {
+        const int end = jo_whole(p->neighbour[i]);
+        jo_polytope_vertex(p, vertex, x);
+        jo_polytope_vertex(p, end, u);
+        jo_minus3d(u, u, x);
+        const double along = fabs(jo_dot3d(n, u)) / sqrt(jo_dot3d(u, u));
+        if (!(along < least)) continue;
+        least = along;
+        found = end;
+    }
+    return found;
+}
+
+/* An axis of two edges may have been tried with edges that are parallel to those at its supports: it is the latter that touch. */
+static void name_edges(const search *t, jo_separated *y)
+{
+    if (y->kind != JO_EDGES) return;
+    y->of[0] = t->va;
+    y->of[1] = edge_across(t->a, t->va, y->normal);
+    y->of[2] = t->vb;
+    y->of[3] = edge_across(t->b, t->vb, y->normal);
+}
+
 /* starts with the supports in direction n */
 static void start_along(search *t, const double *n, int va, int vb)
 {
@@ -129,9 +157,13 @@ static void overlap(search *t, double size, const jo_simplex *s)
         k = t->vb;
         try_edges(t, i, k, other.normal);
     }
+    name_edges(t, &other);
     const int same = y->gap > -INFINITY && jo_dot3d(y->normal, other.normal) > JO_SAME_NORMAL;
     y->gap = other.gap;
     if (other.kind == JO_EDGES && !same) *y = other;
+    y->edges = other.kind == JO_EDGES;
+    for (int i = 0; i < 4; i++) y->edge[i] = other.of[i];
+    for (int i = 0; i < 3; i++) y->across[i] = other.normal[i];
     y->vertex[0] = t->va;
     y->vertex[1] = t->vb;
 }
@@ -207,6 +239,7 @@ static int differing(const int *of, int count, int *v)
 void jo_separation(const jo_polytope *a, const jo_polytope *b, const jo_separated *before, jo_separated *y)
 {
     jo_simplex s;
+    y->edges = 0;
     if (a->round || b->round) {
         jo_round_separation(a, b, y);
         return;
@@ -259,7 +292,7 @@ int jo_still_separated(const jo_polytope *a, const jo_polytope *b, double code, 
     const double gap = JO_RE(g.gap);
     if (!(gap > 0.0 && gap < INFINITY)) return 0;
     for (int i = 0; i < 3; i++) back[i] = -(y->normal[i] = JO_RE(g.normal[i]));
-    y->round = 0;
+    y->round = y->edges = 0;
     y->kind = f.kind == JO_FACE_VERTEX ? JO_FACE_A : f.kind == JO_VERTEX_FACE ? JO_FACE_B : JO_CLOSEST_POINTS;
     for (int i = 0; i < 2; i++) {
         y->of[i] = f.a[i];

@@ -8,7 +8,7 @@
  * The same holds for a plane that b carries along, with the vertices y_j of a below it: c_j = n . (v + w x x_j), with levers x_j = y_j - r from the
  * origin of b. As the plane turns and this origin moves, it differs from that by at most |w| (2 |v| + |w| |x|) t. Both bounds hold, so the
  * higher one does: where an edge of a is over a face of b, vertices of the face approach a plane of a although the gap opens. */
-#include "contact/contact.h"
+#include "contact/polytope.h"
 #include "force/contact_pair.h"
 
 #define JO_ROUND_OFF 1e-15   /* of a coordinate, over the size of the machine about it */
@@ -126,11 +126,99 @@ void jo_pair_approach_part(const jo_contact_pair_pose *p, double code, const dou
     if (to->within < INFINITY && turning > 0.0) rates_of(&some, n, bent_by(p, of_a, reach), to);
 }
 
+/* Smallest sine of the angle by which the edges at an end of the edge (i, k), or at the vertex i = k, rise from the plane across n through it. */
+static double rising(const jo_polytope *p, int i, int k, const double *n)
+{
+    const int ends[2] = {i, k};
+    double least = 1.0, x[3], u[3];
+    for (int e = 0; e < 1 + (i != k); e++) {
+        jo_polytope_vertex(p, ends[e], x);
+        for (int j = jo_whole(p->near[ends[e]]); j < jo_whole(p->near[ends[e] + 1]); j++) {
+            const int other = jo_whole(p->neighbour[j]);
+            if (other == ends[1 - e]) continue;
+            jo_polytope_vertex(p, other, u);
+            jo_minus3d(u, u, x);
+            jo_unit3d(u);
+            least = fmin(least, -jo_dot3d(n, u));
+        }
+    }
+    return least;
+}
+
+/* n . (v + w x (x - r)), of the place x of b */
+static double rate_at(const jo_contact_pair_pose *p, const double *n, const double *x)
+{
+    double rate = 0.0;
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        rate += n[i] * (JO_RE(p->v[i]) + JO_RE(p->w[j]) * (x[k] - JO_RE(p->r[k])) - JO_RE(p->w[k]) * (x[j] - JO_RE(p->r[j])));
+    }
+    return rate;
+}
+
+static void narrow(jo_approach *to, double rate, double bent)
+{
+    to->rate = fmax(to->rate, rate - bent * to->within);
+    to->highest = fmin(to->highest, rate + bent * to->within);
+}
+
+/* length of the edge (i, k) on both sides of the place of it that is nearest to x: the shorter one */
+static double room_on_edge(const jo_polytope *p, int i, int k, const double *x)
+{
+    double at[3], e[3];
+    jo_polytope_vertex(p, i, at);
+    jo_polytope_vertex(p, k, e);
+    jo_minus3d(e, e, at);
+    const double length = jo_unit3d(e);
+    jo_minus3d(at, x, at);
+    return fmin(jo_dot3d(at, e), length - jo_dot3d(at, e));
+}
+
+/* Two edges that cross at the angle x: the direction n across both turns with them, by at most |w| / sin x, and separates the shapes by the
+ * distance g of the lines as long as all other edges at their ends rise from the planes across n. The rate of g is n . v at the closest places of
+ * the lines; these slide by at most s = (|v| + g |w| / sin x) / sin x, so that it changes by at most |w| (|v| / sin x + 2 s) per unit of time.
+ * The planes above, which keep their direction, see each end of an edge instead. */
+static void rates_of_edges(const jo_contact_pair_pose *p, const int *of, jo_approach *to)
+{
+    const double h = to->within, spin = jo_length(p->w, 3);
+    const jo_feature_pair f = {JO_EDGE_EDGE, {of[0], of[1]}, {of[2], of[3]}};
+    jo_feature g;
+    jo_feature_at(&p->a, &p->b, p->r, p->R, jo_same(jo_feature_code(&f)), &g);
+    if (!(fabs(JO_RE(g.gap)) < INFINITY)) return;
+    const double sine = fabs(JO_RE(jo_dot3(g.edge, g.across))) - spin * h;
+    double n[3], back[3], on_a[3], on_b[3];
+    for (int i = 0; i < 3; i++) {
+        back[i] = -(n[i] = JO_RE(g.normal[i]));
+        on_a[i] = JO_RE(g.foot[i]);
+        on_b[i] = on_a[i] + JO_RE(g.gap) * n[i];
+    }
+    if (!(sine > 0.0 && rising(&p->a, of[0], of[1], n) > spin * h / sine && rising(&p->b, of[2], of[3], back) > spin * h * (1.0 + 1.0 / sine))) return;
+    const double slides = (jo_approach_speed(to) + fabs(JO_RE(g.gap)) * spin / sine) / sine;
+    if (!(room_on_edge(&p->a, of[0], of[1], on_a) > slides * h && room_on_edge(&p->b, of[2], of[3], on_b) > slides * h)) return;
+    narrow(to, rate_at(p, n, on_b), spin * (jo_approach_speed(to) / sine + 2.0 * slides));
+}
+
+/* A vertex of a in front of a face of b, as for the planes that b carries along, also where other vertices of a are too far for these. */
+static void rates_of_vertex(const jo_contact_pair_pose *p, const double *n, int from, jo_approach *to)
+{
+    const int v = jo_polytope_support(&p->a, n, from);
+    const double spin = jo_length(p->w, 3);
+    double x[3];
+    jo_real lever[3];
+    if (!(rising(&p->a, v, v, n) > spin * to->within)) return;
+    jo_polytope_vertex(&p->a, v, x);
+    for (int i = 0; i < 3; i++) lever[i] = x[i] - p->r[i];
+    narrow(to, rate_at(p, n, x), bent_by(p, 1, jo_length(lever, 3)));
+}
+
 void jo_pair_approach_apart(const jo_contact_pair_pose *p, const jo_separated *s, double gap, double reach, jo_approach *to)
 {
     to->gap = gap;
     to->face = 0;
     to->curvature = INFINITY;
     to->convex = 1;   /* of the displacement of one of them */
-    jo_pair_approach_along(p, s->normal, reach, to);
+    jo_pair_approach_along(p, s->edges ? s->across : s->normal, reach, to);
+    if (s->round || !(to->within < INFINITY) || !(jo_length(p->w, 3) > 0.0)) return;
+    if (s->edges || (s->kind == JO_CLOSEST_POINTS && s->count[0] == 2 && s->count[1] == 2)) rates_of_edges(p, s->edges ? s->edge : s->of, to);
+    else if (s->kind == JO_FACE_B) rates_of_vertex(p, s->normal, s->vertex[0], to);
 }

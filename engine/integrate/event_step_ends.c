@@ -100,7 +100,7 @@ static int settle(const jo_model *m, jo_data *d, double h, int *stop)
 static void note_doubts(const jo_model *m, jo_data *d, double h)
 {
     jo_measure_gaps(m, d, 1, h);
-    const int doubtful = jo_doubtful_gap(m, d, h);
+    const int doubtful = jo_doubtful_gap(m, d, 0, h);
     if (doubtful >= 0) jo_note_doubt(m, d, doubtful);
 }
 

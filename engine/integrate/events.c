@@ -130,17 +130,20 @@ static int first_crossing(const jo_model *m, jo_data *d, const jo_solver *s, dou
         }
         if (!m->nyielding) return JO_OK;
         jo_measure_gaps(m, d, 1, *length);
-        const int doubtful = jo_doubtful_gap(m, d, *length);
+        const int doubtful = jo_doubtful_gap(m, d, 1, *length);
         if (doubtful < 0) {
             jo_note_proof(d, halved, *found);
             return JO_OK;
         }
         if (*length < JO_TOUCH_RESOLUTION * s->step) {
-            jo_note_doubt(m, d, doubtful);
+            if (!jo_closed_at_end(m, d, doubtful)) jo_note_doubt(m, d, doubtful);
             return JO_OK;
         }
         *length *= 0.5;
-        const int status = try_step(m, d, s, *length, d->events.above);
+        restore_state(d);
+        int status = jo_yielding_ready(m, d);
+        if (status == JO_OK) jo_measure_gaps(m, d, 0, *length);   /* what may turn within the shorter step */
+        if (status == JO_OK) status = try_step(m, d, s, *length, d->events.above);
         if (status != JO_OK) return status;
     }
 }

@@ -5,6 +5,7 @@
 #include "contact/contact.h"
 #include "integrate/integrate.h"
 
+#define JO_OPEN 1e-12       /* gap over the size of the machine up to which a touch at the end of a step is the one that begins it */
 #define JO_PARABOLA 1.5     /* largest distance of a parabola from its chord over that of its mean from the middle of the chord */
 
 void jo_measure_gaps(const jo_model *m, jo_data *d, int at_end, double h)
@@ -51,16 +52,16 @@ static double distance3(const double *a, const double *b)
  * `varied` change it by as much, so the gap is above two lines through its ends; the value where these meet. */
 static int may_touch_convex(const jo_approach *a, const jo_approach *b, double varied, double h)
 {
-    const double falls = varied - a->rate, rises = b->highest + varied;
+    const double falls = varied - a->rate, rises = b->highest + varied, end = fmax(b->gap, 0.0);
     if (falls <= 0.0 || rises <= 0.0) return 0;
-    const double t = (a->gap - b->gap + rises * h) / (falls + rises);
+    const double t = (a->gap - end + rises * h) / (falls + rises);
     return !(a->gap - falls * fmin(fmax(t, 0.0), h) > 0.0);
 }
 
-/* Whether a gap that is open at the ends a and b of a step of length h may have been closed between them: it would have to shrink to 0 and
- * to open again. Its rate is n . v: at most the speed of the point, and at most the rates at the ends plus what acceleration and
- * curvature change. A gap that shrinks all the time has not opened again. The rate is that over one face only as long as nothing beside it can
- * come near.
+/* Whether a gap that is open at the start a of a step of length h may have been closed before its end b: it would have to shrink to 0 and
+ * to open again. Where it is closed at the end, the step ends at this touch, which has to be the first one. Its rate is n . v: at most the
+ * speed of the point, and at most the rates at the ends plus what acceleration and curvature change. A gap that shrinks all the time has not
+ * opened again. The rate is that over one face only as long as nothing beside it can come near.
  *
  * Velocity within the step: the position is the cubic of Hermite through both ends, so the velocity is a parabola through v_a and v_b, whose
  * distance from the line between them is at most 3/2 |c|, c: mean velocity less (v_a + v_b) / 2. The mean velocity is one of the stages', whose
@@ -75,17 +76,21 @@ static int may_have_closed(const jo_approach *a, const jo_approach *b, double be
     const double curved = alone ? fmax(a->curvature, b->curvature) : INFINITY, bent = curved > 0.0 ? speed * speed * curved * h : 0.0;
     const double varies = varied + bent;
     if (fmax(a->highest, b->highest) + varies < 0.0) return 0;
-    return !(a->gap + b->gap > h * fmin(speed, fmax(0.0, fmax(-a->rate, -b->rate) + varies)));
+    return !(a->gap + fmax(b->gap, 0.0) > h * fmin(speed, fmax(0.0, fmax(-a->rate, -b->rate) + varies)));
 }
 
-int jo_doubtful_gap(const jo_model *m, const jo_data *d, double h)
+int jo_doubtful_gap(const jo_model *m, const jo_data *d, int located, double h)
 {
     for (int k = 0; k < m->nyielding; k++) {
         const jo_approach *a = d->events.near + 2 * k, *b = a + 1;
-        if (a->gap < INFINITY && b->gap < INFINITY && b->gap > 0.0 && may_have_closed(a, b, beyond_ends(d, a, b), h)) return k;
+        if (!(a->gap < INFINITY && b->gap < INFINITY)) continue;
+        const int opens = b->gap > 0.0, first = located && a->gap > JO_OPEN * m->size;
+        if ((opens || first) && may_have_closed(a, b, beyond_ends(d, a, b), h)) return k;
     }
     return jo_has_contact_sets(d) && !jo_found_all_contacts(m, d, h) ? m->nyielding : -1;
 }
+
+int jo_closed_at_end(const jo_model *m, const jo_data *d, int k) { return k < m->nyielding && !(d->events.near[2 * k + 1].gap > 0.0); }
 
 /* Entry of the list: time; force, -1 for the search in the sets; shape that is touched and tip of a slot, else -1. */
 void jo_note_doubt(const jo_model *m, jo_data *d, int k)

@@ -105,8 +105,10 @@ int jo_log_has_room(const jo_model *m, const jo_data *d);
 /* gap_proof.c */
 void jo_measure_gaps(const jo_model *m, jo_data *d, int at_end, double h);   /* at the start or end of a step of length h at most; INFINITY for forces without a gap */
 void jo_forget_speeds(const jo_model *m, jo_data *d);   /* of stages, before a step is repeated */
-/* index in d->forces.yielding of a force whose open gap may have closed in a step of length h; nyielding: of a pair that was not searched; -1 */
-int jo_doubtful_gap(const jo_model *m, const jo_data *d, double h);
+/* index in d->forces.yielding of a force whose open gap may have closed in a step of length h; nyielding: of a pair that was not searched; -1.
+ * located: the step ends at the first crossing, so that gaps which are closed at its end must have been open until then */
+int jo_doubtful_gap(const jo_model *m, const jo_data *d, int located, double h);
+int jo_closed_at_end(const jo_model *m, const jo_data *d, int k);   /* whether the gap of this index is closed at the end of the step */
 void jo_note_proof(jo_data *d, int halved, int found);   /* a part of a step is proven, after halvings of its length; whether it ends at an event */
 void jo_note_doubt(const jo_model *m, jo_data *d, int k);   /* into the list of steps that are not proven */
 
