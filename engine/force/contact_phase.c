@@ -4,6 +4,7 @@
 
 #define JO_CONTACT_PARTS 20.0   /* steps in which a short contact is resolved */
 #define JO_CONTACT_LASTS 4.0    /* age of a contact over its duration without loss, from which on it is not short: also with large mass and loss */
+#define JO_HARD_STOP 5.0        /* damping u above which an approach is stopped much earlier than without loss: restitutions below 0.2 */
 #define JO_NO_SLIP 1e-8     /* slip over the slowest approach of the law below which it is the round-off of an impulse or of a stop: none */
 #define JO_BEYOND_REASON 1e3    /* force of a bristle over its limit that no motion has, only round-off of a depth near 0 */
 #define JO_DRIVEN 2.0     /* speed of approach of a slip over that of its touch, from which on it is driven in */
@@ -201,14 +202,29 @@ static double slowing_step(const jo_contact_law *x, const jo_contact_point *y)
     return slip > JO_RE(x->velocity) && force > 0.0 ? 0.5 * slip * JO_RE(x->mass) / force : INFINITY;
 }
 
-/* A short contact is resolved in JO_CONTACT_PARTS steps. An explicit method is stable up to some 2 / (omega + c / mass), omega^2 = k / mass;
+/* Share of the duration without loss after which the approach has been stopped by a damping u: of m v dv/dd = -K d^n (1 + u v / v_in) the second
+ * term is the larger one, and d = d_max (2 / u)^(1/(n+1)) then. 1 up to JO_HARD_STOP. */
+static double stopping_share(const jo_contact_law *x)
+{
+    const double u = jo_contact_may_strike(x) ? 0.0 : JO_RE(x->damping);
+    return u > JO_HARD_STOP ? pow(JO_HARD_STOP / u, 1.0 / (JO_RE(x->exponent) + 1.0)) : 1.0;
+}
+
+/* longest step of a contact in which it is resolved */
+static double resolved_step(const jo_contact_law *x, const jo_real *state, double age)
+{
+    const double T = lasts(x, state), share = stopping_share(x);
+    if (age < share * T) return share * T / JO_CONTACT_PARTS;
+    return age < JO_CONTACT_LASTS * T ? T / JO_CONTACT_PARTS : INFINITY;
+}
+
+/* A short contact is resolved in JO_CONTACT_PARTS steps, and in as many until a strong damping has stopped the approach. An explicit method is stable up to some 2 / (omega + c / mass), omega^2 = k / mass;
  * several contacts of one body add up. */
 double jo_contact_longest_step(const jo_contact_law *x, const jo_real *state, jo_real time, int explicit_method, const jo_contact_point *y)
 {
     double longest = INFINITY;
     if (jo_contact_phase(state) == JO_CONTACT_APART) return longest;
-    const double T = lasts(x, state);
-    if (JO_RE(x->resolve) != JO_RESOLVE_REPORT && JO_RE(time - state[JO_CONTACT_SINCE]) < JO_CONTACT_LASTS * T) longest = T / JO_CONTACT_PARTS;
+    if (JO_RE(x->resolve) != JO_RESOLVE_REPORT) longest = resolved_step(x, state, JO_RE(time - state[JO_CONTACT_SINCE]));
     if (y && jo_contact_is_smooth(x)) longest = fmin(longest, slowing_step(x, y));
     if (explicit_method) {
         double rate = sqrt(fabs(JO_RE(y->by_depth / x->mass))) + JO_RE(y->by_rate / x->mass);

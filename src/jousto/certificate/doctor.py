@@ -18,10 +18,10 @@ from jousto.base.rotations import rotation_matrix
 from jousto.certificate.load_warnings import unheld_loads
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.compile import compile
-from jousto.model.contact_points import points_of
 from jousto.model.gear_springs import explicit_step
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
+from jousto.model.overlaps import overlaps
 from jousto.model.rank.motions import moving, neighbour, without_drives
 from jousto.model.rank.redundancy import (
     RANK,
@@ -33,7 +33,6 @@ from jousto.model.rank.redundancy import (
 )
 from jousto.model.tree import BODIES, core_of
 
-TOUCHING = 1e-9  # depth over the size of the mechanism up to which shapes only touch
 RK4_STABLE = 2.785293563  # largest step times rate at which RK4 is stable
 FEW = 3  # largest number of states that are listed
 SHOWN = 5  # largest number of overlaps that are listed
@@ -91,7 +90,7 @@ class Diagnosis:
     fastest : tuple of (str, float)
         Fastest pressures of hydraulic networks with the bounds of their rates, 1/s.
     overlaps : tuple of str
-        Pairs of shapes that overlap at the start, with their depth.
+        Pairs of shapes that overlap at the start: depth, energy of the law, and speed it gives.
     """
 
     name: str
@@ -259,17 +258,8 @@ def _step_advice(fastest: tuple[tuple[str, float], ...]) -> str:
 
 def _overlaps(model: Model) -> tuple[str, ...]:
     """Return the pairs of shapes that overlap at the start, the deepest first."""
-    if not model.touches:
-        return ()
-    points = points_of(Engine(model, implicit=False))
-    deepest: dict[tuple[str, str, str], float] = {}
-    for one in points:
-        pair = one.contact, one.a, one.b
-        deepest[pair] = max(deepest.get(pair, 0.0), -one.gap)
-    found = sorted(deepest.items(), key=lambda item: -item[1])
-    least = TOUCHING * model.size
     return tuple(
-        f"'{name}' ({a} - {b}) by {depth:.3g} m" for (name, a, b), depth in found if depth > least
+        f"'{one.contact}' ({one.first} - {one.second}) by {one.text}" for one in overlaps(model)
     )
 
 

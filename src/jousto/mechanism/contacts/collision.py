@@ -44,7 +44,7 @@ class Surface(Declared, by_value=True):
     restitution: Number = field(
         "Coefficient of restitution; 1 for no loss",
         unit="1",
-        above=0,
+        least=0,
         most=1,
         default=0.5,
         kw_only=True,

@@ -15,6 +15,8 @@ from jousto.base.fields import Nested, field
 from jousto.base.numbers import Number
 from jousto.materials.material import Material
 
+SOFTEST = 0.01
+"""Restitution below which a law has the loss of this one, 1: its damping is 1 / e."""
 SLOWEST = 1e-3
 """Speed of approach below which a touch counts as one with this speed, m/s."""
 
@@ -50,7 +52,8 @@ class ContactLaw(Declared, section="contact laws", by_value=True):
     @property
     def asked(self) -> float:
         """Coefficient of restitution that is asked for; 0 if it follows from other numbers."""
-        return float(getattr(self, "restitution", 0.0))
+        e = getattr(self, "restitution", None)
+        return 0.0 if e is None else max(SOFTEST, float(e))
 
     @property
     def rows(self) -> Array:
@@ -66,9 +69,10 @@ class Rebounding(ContactLaw):
     """Base of the laws with a coefficient of restitution."""
 
     restitution: Number = field(
-        "Coefficient of restitution e: speed after a touch over speed before it; 1 for no loss",
+        "Coefficient of restitution e: speed after a touch over speed before it; 1 for no loss. "
+        "Below 0.01 the force has the loss of 0.01; impulses have e itself",
         unit="1",
-        above=0,
+        least=0,
         most=1,
         default=0.5,
         kw_only=True,
@@ -85,7 +89,7 @@ class Rebounding(ContactLaw):
     @property
     def damping(self) -> float:
         """Damping u of ``N = K d^n (1 + u d' / v_in)``."""
-        return damping_of(self.restitution)
+        return damping_of(self.asked)
 
     @property
     def loss(self) -> dict[str, float]:

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from jousto.model.overlaps import DEEP
+
 FEW = 10
 """Steps of a contact below which its restitution is wrong by more than 0.004 (RK4, ROS2: 0.03)."""
 ADVISED = 20
 """Steps that a contact should have."""
-DEEP = 0.05
-"""Depth over the size of the smaller shape, above which a contact is too soft."""
 MISSED = 0.05
 """Difference of the restitution from that which is asked for, above which it is reported."""
 QUICK = 20.0

@@ -19,6 +19,7 @@ from jousto.certificate.load_warnings import warn_loads
 from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import Engine
+from jousto.model.overlaps import refuse_deep
 from jousto.model.rank.redundancy import is_drive, repeated_rows
 from jousto.model.scales import largest_speed
 from jousto.simulation.check_motors import motor_turns
@@ -181,6 +182,7 @@ def simulate(
     else:
         _start(engine, state, plan)
         engine.steps_done = plan.before
+    refuse_deep(engine)
     attributes = {
         "solver": solver_text(solver),
         "chosen": reason,
