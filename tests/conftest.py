@@ -8,7 +8,9 @@ import os
 import shutil
 import signal
 import tempfile
+import time
 from collections.abc import Iterator
+from hashlib import sha256
 from typing import Any
 
 import matplotlib
@@ -36,6 +38,8 @@ settings.load_profile(
 )
 
 
+END = pytest.StashKey[float]()  # instant after which no test begins, s of time.monotonic
+
 CHOOSING = (  # examples that say which core compile chose
     "jousto.certificate.doctor.doctor",
     "test_code_of_the_page_runs[docs/robots.md]",
@@ -51,10 +55,23 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="what runs models for which a test names no core: what compile chooses (auto), joint "
         "coordinates wherever a model can, or the positions of the bodies",
     )
+    parser.addoption(
+        "--minutes",
+        type=float,
+        default=np.inf,
+        help="begin no test after this time: what is left is skipped, and reported so",
+    )
+    parser.addoption(
+        "--shuffle",
+        default="",
+        metavar="WORD",
+        help="files in an order that depends on this word, so that runs of a few minutes differ",
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
     """Force a core on all that tests compile in this process, without touching the product."""
+    config.stash[END] = time.monotonic() + 60 * config.getoption("--minutes")
     if (forced := config.getoption("--core")) == "auto":
         return
     compiling = importlib.import_module("jousto.model.compile")
@@ -75,6 +92,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Begin with what takes long; leave out what tests the choice of a core where none is left."""
     # examples and pages, up to half a minute each: at the end one process would wait for the other
     items.sort(key=lambda item: item.path.parent != config.rootpath / "tests")
+    if word := config.getoption("--shuffle"):
+        items.sort(key=lambda item: sha256(f"{word} {item.path.name}".encode()).digest())
     if (forced := config.getoption("--core")) == "auto":
         return
     for item in items:
@@ -82,6 +101,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(
                 pytest.mark.skip(reason=f"about what auto chooses, not --core {forced}")
             )
+
+
+@pytest.hookimpl(tryfirst=True)  # before the fixtures of the test
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if time.monotonic() > item.config.stash[END]:
+        pytest.skip("the minutes given are over")
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
