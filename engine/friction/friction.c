@@ -71,7 +71,7 @@ void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *
     }
     const jo_real speed = jo_length2(s[0], s[1]);
     const double rest = !d->slip[i] && JO_RE(f->data->plane) > 0.0 ? JO_TOUCH_REST : JO_REST;
-    const int slow = !(JO_RE(speed) > rest * m->size);
+    const int slow = !(JO_RE(speed) > rest * jo_slip_scale(m, f));
     if (d->slip[i] && (slow || JO_RE(s[0] * old[0] + s[1] * old[1]) < 0.0)) {
         e[0] = old[0];
         e[1] = old[1];
@@ -149,7 +149,7 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
     if (f->law) {
         jo_friction_direction(m, d, i, e);
         const jo_real speed = jo_length2(s[0], s[1]);
-        const int follows = jo_slips(f) == 2 && JO_RE(speed) > JO_REST * m->size;
+        const int follows = jo_slips(f) == 2 && JO_RE(speed) > JO_REST * jo_slip_scale(m, f);
         for (int k = 0; k < 2; k++) {
             for (int j = 0; follows && j < 2; j++) E[k][j] = data->mu_kinetic * ((k == j) - e[k] * e[j]) / speed;
         }
@@ -228,7 +228,7 @@ jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
     if (!f->law || !d->slip[i]) return 1.0;
     jo_friction_slip(m, d, f, y);
     const jo_real *e = d->direction + 2 * i;
-    return JO_REST * m->size + (jo_slips(f) == 1 ? d->slip[i] * y[0] : e[0] * y[0] + e[1] * y[1]);
+    return JO_REST * jo_slip_scale(m, f) + (jo_slips(f) == 1 ? d->slip[i] * y[0] : e[0] * y[0] + e[1] * y[1]);
 }
 
 /* end of a step: the direction of slip along two coordinates becomes the direction of the slip velocity */

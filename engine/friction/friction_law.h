@@ -4,7 +4,8 @@
 
 #include "friction/friction.h"
 
-#define JO_REST 1e-10   /* ratio of slip speed and size of the mechanism, 1/s, below which a joint is at rest */
+#define JO_REST 1e-10   /* ratio of slip speed and scale of the slip, 1/s, below which a joint is at rest */
+#define JO_RADII 100.0  /* scale of the slip of a pin over its radius, at most: rates above 1e-8 rad/s are no rest, however thin the pin is */
 
 static inline int jo_slip_turns(const jo_model *m, const jo_friction *f, int k)
 {
@@ -15,6 +16,13 @@ static inline int jo_slip_turns(const jo_model *m, const jo_friction *f, int k)
 static inline jo_real jo_slip_arm(const jo_model *m, const jo_friction *f, int k)
 {
     return jo_slip_turns(m, f, k) ? f->data->radius : 1.0;
+}
+
+/* scale of the slip, m: size of the mechanism, at most JO_RADII radii of a pin that only turns */
+static inline double jo_slip_scale(const jo_model *m, const jo_friction *f)
+{
+    const int pin = jo_slips(f) == 1 && jo_slip_turns(m, f, 0);
+    return pin && JO_RADII * JO_RE(f->data->radius) < m->size ? JO_RADII * JO_RE(f->data->radius) : m->size;
 }
 
 static inline jo_real jo_length2(jo_real x, jo_real y)

@@ -4,9 +4,9 @@
 #include "friction/friction_law.h"
 #include "tree/tree.h"
 
-/* slip speed / size of the mechanism, 1/s, above which slip along two coordinates changes direction without a stop */
+/* slip speed / scale of the slip, 1/s, above which slip along two coordinates changes direction without a stop */
 #define JO_PASSING_SPEED 1e-7
-#define JO_BACK_ACCELERATION 1e-9   /* acceleration against the slip / size of the mechanism, 1/s2, above which the slip ends */
+#define JO_BACK_ACCELERATION 1e-9   /* acceleration against the slip / scale of the slip, 1/s2, above which the slip ends */
 enum { JO_ROUNDS = 8, JO_ROUNDS_EACH = 4 };   /* largest number of rounds of release(): constant part, and part per friction */
 
 static int *lock_of(const jo_model *m, jo_data *d, const jo_friction *f) { return &d->locked[m->joint[f->lock].lock]; }
@@ -64,9 +64,9 @@ int jo_friction_accelerated_back(const jo_model *m, const jo_data *d, int i)
     jo_real s[2];
     if (!f->law || jo_sticks(m, d, f) || !d->slip[i] || jo_slips(f) == 2) return 0;
     jo_friction_slip(m, d, f, s);
-    if (fabs(JO_RE(s[0])) > 2.0 * JO_REST * m->size) return 0;
+    if (fabs(JO_RE(s[0])) > 2.0 * JO_REST * jo_slip_scale(m, f)) return 0;
     const jo_real second = jo_tree_active(d) ? jo_tree_slip_acceleration(m, d, f->coordinate) : jo_coordinate_acceleration(m, d, f->coordinate);
-    return d->slip[i] * JO_RE(jo_slip_arm(m, f, 0) * second) < -JO_BACK_ACCELERATION * m->size;
+    return d->slip[i] * JO_RE(jo_slip_arm(m, f, 0) * second) < -JO_BACK_ACCELERATION * jo_slip_scale(m, f);
 }
 
 /* excess of the holding force of friction i over its static limit, relative to that force; 0 while it slides or holds */
@@ -119,7 +119,7 @@ int jo_friction_switch(const jo_model *m, jo_data *d, int i)
         jo_real e[2];
         jo_friction_slip(m, d, f, e);
         const jo_real speed = jo_length2(e[0], e[1]);
-        if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSING_SPEED * m->size) {   /* new direction of slip without a stop */
+        if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSING_SPEED * jo_slip_scale(m, f)) {   /* new direction of slip without a stop */
             for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k] / speed;
             jo_forces_jumped(d);
             return jo_accelerations(m, d);

@@ -5,13 +5,16 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 from jousto.base.declare import Declared
-from jousto.base.errors import Problems
+from jousto.base.errors import Problems, warn
 from jousto.base.fields import Name, Nested, Reference, field
 from jousto.base.numbers import DefaultNumber, Number, OptionalPositive, Positive
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.joints.hinges import Cylindrical, Revolute
 from jousto.mechanism.joints.rolling import DiscOnPlane
 from jousto.mechanism.joints.slides import Prismatic
+
+CREEPS = 100.0
+"""Rate of a joint, rad/s, above which smooth friction is fully developed too late."""
 
 
 class Law(Declared, section="laws", by_value=True):
@@ -123,7 +126,9 @@ class Friction(Declared, section="frictions"):
     * DiscOnPlane: ``mu (preload + |F_z|)`` against the slip of the lowest point, F_z along the
       normal of the plane.
 
-    Friction acts on the elastic modes of flexible bodies as reactions do.
+    Friction acts on the elastic modes of flexible bodies as reactions do. A torque T whatever the
+    reaction is ``StickSlip()`` with a radius far below ``T / (mu |F_xy|)``, such as 1e-9 m, and
+    ``preload = T / (mu radius)``.
     """
 
     kind = "friction"
@@ -194,6 +199,7 @@ class Friction(Declared, section="frictions"):
                 "mu_kinetic is 0, so that friction never acts; leave the friction out",
                 "mu_kinetic",
             )
+        self._warn_of_creep(where)
         if self.mu_static < self.mu_kinetic:
             problems.add(
                 where,
@@ -201,6 +207,18 @@ class Friction(Declared, section="frictions"):
                 f"{self.mu_kinetic:g}",
                 "mu_static",
             )
+
+    def _warn_of_creep(self, where: str) -> None:
+        """Warn of a pin so thin that it turns fast before smooth friction is fully developed."""
+        velocity = getattr(self.law, "velocity", 0.0)
+        if self.radius is None or not velocity > CREEPS * self.radius:
+            return
+        warn(
+            where,
+            f"Regularised({velocity:g}) has its full friction above {velocity / self.radius:.3g} "
+            f"rad/s at a pin radius of {self.radius:g} m; take StickSlip(), or a smaller velocity",
+            "law",
+        )
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
