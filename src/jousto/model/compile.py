@@ -12,7 +12,7 @@ import numpy as np
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.complexstep import floats, is_stepping
-from jousto.base.errors import InputError, Problem, count, warn
+from jousto.base.errors import InputError, NotAnalytic, Problem, count, warn
 from jousto.base.garbage_collection import uncollected
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.beams.discretisation import BeamNode
@@ -24,7 +24,7 @@ from jousto.mechanism.mechanism import Mechanism
 from jousto.model.elimination_order import MOST, Elimination, TooDense
 from jousto.model.frame_record import frame_shape
 from jousto.model.hubs import joints_on, order_joints
-from jousto.model.initial_conditions import quiet_velocities, started
+from jousto.model.initial_conditions import held_lines, quiet_velocities, started
 from jousto.model.likeness import Likeness
 from jousto.model.mode_loads import ModeLoads, mode_loads
 from jousto.model.model import BodyModel, Model, Shape
@@ -37,6 +37,7 @@ from jousto.model.packing.builder import Builder
 from jousto.model.packing.events import event_models, watched_coordinates
 from jousto.model.packing.foreign import fmu_models
 from jousto.model.packing.sensors import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
+from jousto.model.pushed_apart import apart_sets, pushed_apart
 from jousto.model.rank.redundancy import check_closed, is_drive, repeated_rows
 from jousto.model.scales import largest_speed, velocity_metres
 from jousto.model.start_complex_step import with_start
@@ -90,8 +91,8 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
     ------
     InputError
         If the mass matrix of a body is singular, joints, couplings and drives contradict each
-        other, an initial value cannot be reached, or the requested joint coordinates are
-        impossible.
+        other, an initial value cannot be reached, shapes that overlap are refused or cannot be
+        moved apart, or the requested joint coordinates are impossible.
 
     Warns
     -----
@@ -203,16 +204,22 @@ def finish(
     initials : sequence of Initial, optional
         Values and rates at coordinates of the builder; by default those of the mechanism.
     """
-    placed = model.q0.copy()
+    placed, given = model.q0.copy(), model.v0.copy()
     initials = mechanism.initials if initials is None else initials
 
     def finished(model: Model) -> Model:
         begun = started(model, initials, builder) if initials else model
         return _consistent(begun)
 
+    if is_stepping() and apart_sets(mechanism):
+        raise NotAnalytic("shapes that overlap are moved apart by iterations")
     made = with_start(model, finished, initials) if is_stepping() else finished(model)
     if not is_stepping():
         warn_moved(mechanism, made, placed)
+        values = [initial for initial in initials if initial.value is not None]
+        apart = pushed_apart(mechanism, made, held_lines(values, builder))
+        if apart is not made:
+            made = finished(replace(apart, q0=np.array(apart.q0), v0=given))
         refuse_overlaps(mechanism, made)
     closed = made
     if keep is not None:

@@ -196,17 +196,17 @@ def started(model: Model, initials: Sequence[Initial], builder: Builder) -> Mode
     values = [s for s in initials if s.value is not None]
     rates = [s for s in initials if s.rate is not None]
     if values:
-        before = _gear_angles(model)
-        model.q0[:] = _pose(with_rows(model, _lines(values, builder)), values)
-        model = _with_gears(model, _gear_angles(model) - before)
+        before = gear_angles(model)
+        model.q0[:] = _pose(with_rows(model, held_lines(values, builder)), values)
+        model = with_gears(model, gear_angles(model) - before)
     if rates:
         gears = _free_gears(model, {builder.declared(s.coordinate) for s in rates})
-        lines = [*gears.values(), *_lines(rates, builder)]
+        lines = [*gears.values(), *held_lines(rates, builder)]
         model.v0[:] = _velocities(with_rows(model, lines), rates)
     return model
 
 
-def _gear_angles(model: Model) -> Array:
+def gear_angles(model: Model) -> Array:
     """Return ``s - phi / N`` of each gear spring at the start, m or rad, within half a turn."""
     gears = gear_springs(model)
     if not gears:
@@ -215,7 +215,7 @@ def _gear_angles(model: Model) -> Array:
     return np.array(Engine(rows, implicit=False).constraints()[0][model.permanent :])
 
 
-def _with_gears(model: Model, moved: Array) -> Model:
+def with_gears(model: Model, moved: Array) -> Model:
     """Return the model whose gear springs have the same wind-up after their coordinates moved."""
     gears = iter(moved.tolist())
     forces = [
@@ -238,7 +238,7 @@ def _free_gears(model: Model, given: set[int]) -> dict[int, NamedLine]:
     }
 
 
-def _lines(initials: Sequence[Initial], builder: Builder) -> list[NamedLine]:
+def held_lines(initials: Sequence[Initial], builder: Builder) -> list[NamedLine]:
     """Return the row ``s = 0`` of each coordinate."""
     return [(s.name, LineModel((builder.declared(s.coordinate),), (1.0,))) for s in initials]
 

@@ -189,7 +189,7 @@ def refuse_overlaps(mechanism: Mechanism, model: Model) -> None:
     strict = [
         force.name
         for force in mechanism.forces
-        if isinstance(force, Contacts) and force.overlap == "refuse"
+        if isinstance(force, Contacts) and force.overlap != "start"
     ]
     problems = Problems()
     for name in strict:
@@ -200,7 +200,8 @@ def refuse_overlaps(mechanism: Mechanism, model: Model) -> None:
         problems.add(
             f"contacts {name!r}",
             f"{count(len(mine), 'pair')} of shapes overlap at the start: {listed}; move the bodies "
-            'apart, exclude the pairs with Apart, or start as they are, overlap="start"',
+            'apart, or overlap="apart" does, exclude the pairs with Apart, or start as they are, '
+            'overlap="start"',
             "overlap",
         )
     problems.raise_if_any()

@@ -149,8 +149,9 @@ class Contacts(ForceElement, tag="contacts"):
         "Whether bodies with a joint between them touch", default=False, kw_only=True
     )
     overlap: Choice = field(
-        "What to do if shapes overlap at the start: refuse them, or start as they are",
-        words=("refuse", "start"),
+        "What to do if shapes overlap at the start: refuse them, start as they are, or move their "
+        "bodies apart by the least displacement",
+        words=("refuse", "start", "apart"),
         default="refuse",
         kw_only=True,
     )
