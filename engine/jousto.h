@@ -48,6 +48,7 @@ typedef double jo_real;
  *   of a contact, or of a contact_pair
  * contact_track: a wheel on a curve through markers, see force_contact_track.c; followed by its pieces (count); seven states from jo_force.state on
  * tyre: of a wheel b on a plane of a, see force_tyre.c and tyre_law.c; two states from jo_force.state on
+ * rail: a wheel of b on a straight rail of a, see force_rail.c; followed by the numbers of its patches (count), see rail_patch.h
  * slider: a point on both sides of a track, see force_slider.c; followed by its pieces (count); three states from jo_force.state on
  * network: first-order states with forces along coordinates, see force_network.c; their states from jo_force.state on
  * memory: values of a network that are constant within a step, see force_memory.c; followed by their initial values and the registers of
@@ -78,6 +79,7 @@ typedef double jo_real;
     ROW(network, number, states, coordinates, signals, constants, values, instructions, pushes, slopes, memories, gravity, openings) \
     ROW(memory, network, first, count, period, phase, margin, jumps, jitter, seed) \
     ROW(delay, network, input, slope, time, points, given, initial, size) \
+    ROW(rail, mu, damping, slow, count) \
     /* the last row */
 
 /* Methods of integration, a row each: ROW(name, family, order, stages, coefficients), which the Python binding reads, too. A row makes

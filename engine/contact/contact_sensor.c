@@ -2,12 +2,13 @@
  * FORCES: number of forces, which follow one another from `object` on: force and moment about the origin of b, world; `other` is the first component
  * PAIR: number of slots of the set `object`; in the second row, for each shape its side of the pair, 1 or 2, 0: none: force on the second side
  *   and moment about the origin of its first shape, world
- * PRESSURE: number of forces; coefficients of largest pressure and half axes, which are proportional to a power of the normal force; the power */
+ * PRESSURE: number of forces; coefficients of largest pressure and half axes, which are proportional to a power of the normal force; the power
+ * RAIL: number of the patch of the wheel on its rail `object`: see jo_rail_report */
 #include "maximal/maximal.h"
 #include "force/force.h"
 #include "contact/contact.h"
 
-typedef enum { JO_SUM_FORCES = 0, JO_SUM_PAIR = 1, JO_SUM_PRESSURE = 2 } jo_contact_sum;
+typedef enum { JO_SUM_FORCES = 0, JO_SUM_PAIR = 1, JO_SUM_PRESSURE = 2, JO_SUM_RAIL = 3 } jo_contact_sum;
 enum { JO_SUM_WHAT, JO_SUM_COUNT, JO_SUM_COEFFICIENTS, JO_SUM_POWER = JO_SUM_COEFFICIENTS + 3, JO_SUM_ROW };
 
 static int whole(const jo_real *x) { return (int)JO_RE(*x); }
@@ -81,6 +82,7 @@ void jo_contact_sensor(const jo_model *m, const jo_data *d, const jo_sensor *s, 
     switch (whole(s->rows + JO_SUM_WHAT)) {
     case JO_SUM_FORCES: sum_forces(d, s, y); break;
     case JO_SUM_PAIR: sum_pair(m, d, s, y); break;
+    case JO_SUM_RAIL: jo_rail_report(m, d, &m->force[s->object], whole(s->rows + JO_SUM_COUNT), y); break;
     default: pressure(m, d, s, y); break;
     }
 }

@@ -74,6 +74,11 @@ static inline int jo_yielding_force(const jo_data *d, int k) { return d->forces.
 /* force_contact_slot.c: states of a slot that has got a pair */
 void jo_start_slot(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *state);
 
+/* force_rail.c: values of a patch of a wheel on its rail: N, forces along and across on the wheel, moment about the normal, three creepages,
+ * largest pressure, half axes, rolling radius, place across the rail */
+enum { JO_RAIL_REPORT = 12 };
+void jo_rail_report(const jo_model *m, const jo_data *d, const jo_force *f, int patch, jo_real *y);
+
 /* force_states.c */
 int jo_condenses(const jo_stage *stage);   /* whether an implicit stage solves for the states within the forces */
 jo_real jo_condense_state(const jo_model *m, jo_data *d, const jo_stage *stage, int state, jo_real rate, jo_real decay);

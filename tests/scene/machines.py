@@ -133,6 +133,9 @@ def everything() -> jo.Mechanism:
             *(jo.mechanism.MagicFormula(), 2e5),
             axle=(0, 1, 0),
         ),
+        railway := jo.mechanism.RailContact(
+            *("railway", jo.ground.at((0, 0, -50.0)), wheel["origin"], 0.3), axle=(0, 1, 0)
+        ),
         jo.Servo("servo", slide.displacement, jo.Constant(0.1), kp=10.0),
         jo.mechanism.PID("hold", slide.displacement, 0.1, kp=10.0, ki=1.0),
         jo.mechanism.SpeedPID("spin", axle.angle, 1.0, kp=1.0),
@@ -147,6 +150,7 @@ def everything() -> jo.Mechanism:
         jo.PositionSensor("position", end),
         jo.mechanism.ContactForceSensor("landing", meet, "floor", "tip"),
         jo.mechanism.ContactPressureSensor("pressure", touch, modulus=1e11),
+        jo.mechanism.RailContactSensor("rolling", railway),
         jo.VelocitySensor("velocity", end),
         jo.AccelerationSensor("acceleration", end),
         jo.mechanism.AccelerationPartsSensor("parts", end, relative_to=slider["tip"]),

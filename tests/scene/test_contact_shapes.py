@@ -86,3 +86,21 @@ def test_shapes_are_drawn_at_their_markers() -> None:
         assert np.abs(found - (0, 0, 0.2)).max(axis=0) == pytest.approx([0.1, 0.2, 0.15])
         assert bodies["contact shapes of crate"].place == scene.bodies[0].place
         assert bodies["contact shapes of the ground"].positions[:, 2].tolist() == [0.0] * 6
+
+
+def test_a_wheel_and_its_rail_are_drawn() -> None:
+    """The wheel touches the rail at its top, the flange stands beyond the play."""
+    radius, play = 0.46, 7e-3
+    axle = jo.RigidBody("axle", 1.0, (1, 1, 1), position=(0, 0, radius))
+    contact = jo.mechanism.RailContact(
+        *("left", jo.ground["origin"], axle["origin"], radius, -0.05), play=play, axle=(0, 1, 0)
+    )
+    scene = make_scene(jo.Mechanism(axle, contact))
+    bodies = {body.name: body for body in scene.bodies if body.kind == "contact"}
+    wheel = bodies["contact shapes of axle"].positions
+    rail = bodies["contact shapes of the ground"].positions
+    assert rail[:, 2].max() == 0.0 and np.ptp(rail[:, 1]) == pytest.approx(0.072)
+    assert np.linalg.norm(wheel[:, [0, 2]], axis=1).max() == pytest.approx(radius + 0.028)
+    # the flange is on the side where the radius grows, and does not enter the rail
+    high = wheel[np.linalg.norm(wheel[:, [0, 2]], axis=1) > radius + 0.02]
+    assert high[:, 1].max() < -0.036 - play

@@ -169,6 +169,7 @@ def test_sensors_equal_the_python_constructors():
     others = {SectionSensor, ForceStateSensor, jo.mechanism.StateSensor}
     # those of contacts: test_contact_sensors.py
     others |= {jo.mechanism.ContactForceSensor, jo.mechanism.ContactPressureSensor}
+    others |= {jo.mechanism.RailContactSensor}  # test_rail_contact.py
     assert {type(s) for s in model.sensors} == set(SECTIONS["sensors"].values()) - others
     run = jo.simulate(jo.compile(model), 0.002)
     assert all(np.isfinite(run[name]).all() for name in run.sensors)

@@ -44,6 +44,7 @@ from .forces.line_load import LineLoad as LineLoad
 from .forces.moving import MovingLoad as MovingLoad
 from .forces.pid import PID as PID, SpeedPID as SpeedPID
 from .forces.plastic import PlasticSpring as PlasticSpring
+from .forces.rail_contact import RailContact as RailContact
 from .forces.skin_contact import SkinContact as SkinContact
 from .forces.slider import Slider as Slider
 from .forces.springs import ModalLoad as ModalLoad
@@ -81,6 +82,7 @@ from .sensors.motion import (
     AccelerationPartsSensor as AccelerationPartsSensor,
     AngularAccelerationSensor as AngularAccelerationSensor,
 )
+from .sensors.rail_contact import RailContactSensor as RailContactSensor
 from .sensors.scalar import EnergySensor as EnergySensor
 from .sensors.section import SectionSensor as SectionSensor
 from .sensors.state import StateSensor as StateSensor

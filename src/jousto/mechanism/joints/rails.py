@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -82,6 +82,29 @@ class RailAcross(RailRolled):
     engine: ClassVar[str] = "rail across"
 
 
+class OnRail(Protocol):
+    """A wheel b on a rail a with directions of rail and axle."""
+
+    a: Any
+    b: Any
+    rail: Any
+    axle: Any
+
+
+def frames_of(wheel: OnRail) -> tuple[Marker, Marker]:
+    """Return markers with x along the rail and z up, and with z along the axle."""
+    a, b = wheel.a, wheel.b
+    if wheel.rail is not None:
+        x, up = np.asarray(wheel.rail), a.A[:, 2]
+        x = x / np.sqrt(x @ x)
+        z = up - (up @ x) * x
+        z = z / np.sqrt(z @ z)
+        a = aligned(a, np.stack([x, np.cross(z, x), z], axis=1))
+    if wheel.axle is not None:
+        b = aligned(b, turn_onto(b.A, wheel.axle))
+    return a, b
+
+
 class RailWheel(Joint, tag="rail-wheel"):
     """A conical wheel that rolls on a straight rail without slip along it: 2 rows, or 3.
 
@@ -135,16 +158,7 @@ class RailWheel(Joint, tag="rail-wheel"):
     @cached_property
     def frames(self) -> tuple[Marker, Marker]:
         """Markers with x along the rail and z up, and with z along the axle."""
-        a, b = self.a, self.b
-        if self.rail is not None:
-            x, up = np.asarray(self.rail), self.a.A[:, 2]
-            x = x / np.sqrt(x @ x)
-            z = up - (up @ x) * x
-            z = z / np.sqrt(z @ z)
-            a = aligned(a, np.stack([x, np.cross(z, x), z], axis=1))
-        if self.axle is not None:
-            b = aligned(b, turn_onto(b.A, self.axle))
-        return a, b
+        return frames_of(self)
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Report a rail along its top or along the axle."""

@@ -18,7 +18,7 @@ from jousto.mechanism.sensors.base import Reading, Sensor
 from jousto.mechanism.sensors.motion import frame_name
 
 FORCE, MOMENT = ("Fx", "Fy", "Fz"), ("Mx", "My", "Mz")
-SUM_FORCES, SUM_PAIR, SUM_PRESSURE = 0.0, 1.0, 2.0
+SUM_FORCES, SUM_PAIR, SUM_PRESSURE, SUM_RAIL = 0.0, 1.0, 2.0, 3.0
 """What a sensor of contacts sums (``jo_contact_sum`` of the engine)."""
 SUM_ROW = 6
 """Numbers of a sum in the engine (``JO_SUM_ROW``)."""

@@ -289,6 +289,7 @@ REFUSED = {
     "contact pair": "it has no bristles and does not locate a touch in time",
     "slider": "it has no curves through nodes of beams",
     "contact track": "it has no bristles and does not locate a touch in time",
+    "rail": "it has no bodies of revolution on rails",
     "tyre": "it does not integrate the slip of tyres",
     "plastic": "it has no plastic deformation that the end of a step keeps",
 }
