@@ -47,7 +47,7 @@ def test_a_program_rolls(tmp_path: Path) -> None:
     )
     items += [beam, held, ball, touch, jo.PositionSensor("ball", ball["origin"])]
     axle = jo.RigidBody(
-        "axle", 1200.0, (700, 100, 700), position=(0, -1.02e-3, 0.4603), velocity=(20, -0.1, 0),
+        "axle", 1200.0, (700, 100, 700), position=(0, -1.15e-3, 0.4603), velocity=(20, 0, 0),
         angular_velocity=(0, 20 / 0.46, 0),
     )  # fmt: skip
     wheels = [
