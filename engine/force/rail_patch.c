@@ -117,9 +117,15 @@ jo_rail_touch jo_rail_touch_of(const jo_rail_data *x, const jo_rail_patch *c, co
     const jo_dual3 front = jo_dual3_of(rail_way, rail_none);
     y.along = along;
     y.touches = 0;
-    const section_at near = nearest(c, m, &y.along);
+    section_at near = nearest(c, m, &y.along);
     const jo_dual head = jo_dual_of(c->head, jo_same(0.0));
     y.depth = jo_dual_sub(head, near.distance);
+    /* a wheel so far across the rail that a steep cone has no nearest place touches elsewhere than here */
+    if (!(fabs(JO_RE(y.along)) < JO_RE(c->radius))) {
+        y.along = jo_same(0.0);
+        near = section_of(c, m, none);
+        y.depth = jo_dual_constant(-JO_RE(c->radius));
+    }
     y.down = near.normal;
     y.across = jo_dual3_cross(front, y.down);
     y.at = jo_dual3_sub(near.p, jo_dual3_times(head, y.down));

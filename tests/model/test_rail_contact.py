@@ -263,6 +263,23 @@ def test_a_wheel_at_rest_creeps_slowly():
     assert run["v"][-1, 0] == pytest.approx(linear * pull / stiffness * slow / 2, rel=1e-3)
 
 
+def test_a_flange_across_the_rail_has_no_contact():
+    """Turned by more than 20 degrees its cone has no place that is nearest: values stay finite."""
+    for degrees in (15.0, 25.0, 60.0):
+        turn = jo.Rotate((0, 0, 1), degrees=degrees)
+        body = jo.RigidBody("w", 600.0, (40, 70, 40), position=(0, 0, R - 1e-4), orientation=turn)
+        axle = body["origin"].A[:, 1]
+        contact = RailContact(
+            "c", jo.ground["origin"], body["origin"], R, 0.05, play=7e-3, axle=axle
+        )
+        sensors = [RailContactSensor(name, contact, name) for name in ("tread", "flange")]
+        engine = jo.model.Engine(jo.compile(jo.Mechanism(body, contact, *sensors)))
+        engine.accelerations()
+        assert np.isfinite(engine.sensors()).all()
+        assert np.isfinite(engine.newton_matrix(1.0, 1.0, 1.0)).all()
+        assert engine.sensors()[0] > 0
+
+
 def test_bad_input_is_refused():
     body = jo.RigidBody("w", 1.0, (1, 1, 1), position=(0, 0, R))
     rail, hub = jo.ground["origin"], body["origin"]
