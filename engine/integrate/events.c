@@ -177,7 +177,7 @@ static int part_step(const jo_model *m, jo_data *d, const jo_solver *s, int firs
     return status;
 }
 
-/* After a part that did not converge: back to its start with eased forces or, if there are none, with half of its length: forces have kinks
+/* After a part that did not converge, or led to no finite state: back to its start with eased forces or, if there are none, with half of its length: forces have kinks
  * where a contact begins and where a slip ends, over which Newton's iteration may oscillate. 0 if the part is too short already. */
 static int try_again(const jo_model *m, jo_data *d, const jo_solver *s, double *longest, double length)
 {
@@ -216,7 +216,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
         if (m->nyielding) length = fmin(length, jo_resolved(m, d, explicit_forces(m, d, s)));
         const double wanted = length;
         status = part_step(m, d, s, first, &length, &found, &chain);
-        if (status == JO_NO_CONVERGENCE && try_again(m, d, s, &longest, wanted)) {
+        if ((status == JO_NO_CONVERGENCE || status == JO_NOT_FINITE) && try_again(m, d, s, &longest, wanted)) {
             status = JO_OK;
             continue;
         }
