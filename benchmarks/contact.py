@@ -1,10 +1,12 @@
-"""Contacts: spheres that rest on a plane, beside EXUDYN and MuJoCo at their best settings.
+"""Contacts: spheres and a quadruped, beside EXUDYN and MuJoCo at their best settings.
 
 .venv/bin/python benchmarks/contact.py [short]
 
 Microseconds of processor time, least of many runs: an evaluation within RK4 and a step of 1 ms of
 GeneralizedAlpha here; an explicit Euler step, which is one evaluation, of EXUDYN's GeneralContact;
-a step of MuJoCo's Newton solver. Steel spheres of 50 mm, 0.3 m apart, each with friction.
+a step of MuJoCo's Newton solver. Spheres of 50 mm with friction, 0.3 m apart, each with a contact
+of its own; then cubes of spheres that touch, in a set whose pairs are found in each step. The
+quadruped of examples/ stands. The last lines: steps far above the floor, with and without contacts.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ import os
 import sys
 import time
 import warnings
+from pathlib import Path
 from typing import Any
 
 os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -20,7 +23,7 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 
 import jousto as jo
-from jousto.mechanism import Contact, HalfSpace, PowerLaw, Sphere
+from jousto.mechanism import CollisionShape, Contact, Contacts, HalfSpace, PowerLaw, Sphere
 
 RADIUS, MASS, STIFFNESS, FRICTION = 0.05, 1.0, 1e5, 0.3  # m, kg, N/m, 1
 APART = 0.3  # m
@@ -77,7 +80,7 @@ def measure_ours(n: int, rounds: int) -> tuple[float, float]:
     return best[0], best[1]
 
 
-def measure_exudyn(n: int, rounds: int) -> float:
+def measure_exudyn(n: int, rounds: int, centres: np.ndarray | None = None) -> float:
     """Microseconds of a step of explicit Euler with GeneralContact."""
     import exudyn as exu
     import exudyn.utilities as eu
@@ -102,7 +105,7 @@ def measure_exudyn(n: int, rounds: int) -> float:
             triangleList=[[0, 1, 2], [0, 2, 3]],
         )
         inertia = eu.InertiaSphere(MASS, RADIUS)
-        for at in places(n):
+        for at in places(n) if centres is None else centres:
             made = system.CreateRigidBody(
                 inertia=inertia,
                 referencePosition=list(at),
@@ -144,26 +147,127 @@ def measure_exudyn(n: int, rounds: int) -> float:
     return best
 
 
-def measure_mujoco(n: int, rounds: int) -> float:
+def measure_mujoco(
+    n: int, rounds: int, centres: np.ndarray | None = None, touching: int = 0
+) -> float:
     """Microseconds of a step of 1 ms with Newton's solver."""
     import mujoco
 
     ball = f'<freejoint/><geom type="sphere" size="{RADIUS}" mass="{MASS}"/>'
-    balls = "".join(f'<body pos="{x} {y} {z}">{ball}</body>' for x, y, z in places(n))
+    at = places(n) if centres is None else centres
+    balls = "".join(f'<body pos="{x} {y} {z}">{ball}</body>' for x, y, z in at)
     model = mujoco.MjModel.from_xml_string(
         f"""<mujoco><option timestep="0.001" solver="Newton"/><size memory="2G"/>
         <default><geom friction="{FRICTION}" condim="3"/></default>
         <worldbody><geom type="plane" size="50 50 1"/>{balls}</worldbody></mujoco>"""
     )
     data = mujoco.MjData(model)
-    mujoco.mj_step(model, data, nstep=200)
+    mujoco.mj_step(model, data, nstep=5 if touching else 200)
     best = np.inf
-    steps = max(5, STEPS // max(1, n // 10))
+    steps = max(2, STEPS // max(1, n // (1 if touching else 10)))
     for _ in range(rounds):
         begin = time.process_time()
         mujoco.mj_step(model, data, nstep=steps)
         best = min(best, 1e6 * (time.process_time() - begin) / steps)
-    assert data.ncon == n
+    assert data.ncon > 0.9 * touching if touching else data.ncon == n
+    return best
+
+
+def heap(side: int) -> tuple[np.ndarray, int]:
+    """Centres of a cube of touching spheres on the plane z = 0, m, and its number of contacts."""
+    deep = 1e-4  # m, between two of them, and of the lowest ones in the plane
+    k = np.arange(side) * (2 * RADIUS - deep)
+    x = np.stack(np.meshgrid(k, k, k, indexing="ij"), axis=-1).reshape(-1, 3)
+    return x + (0, 0, RADIUS - deep), 3 * side**2 * (side - 1) + side**2
+
+
+def measure_heap(side: int, rounds: int) -> tuple[float, float]:
+    """Microseconds of an evaluation of a heap, and of one in a run, with search and events."""
+    centres, touching = heap(side)
+    shapes = [CollisionShape("floor", jo.ground["origin"], HalfSpace())]
+    items: list[Any] = [jo.Gravity((0, 0, -9.81))]
+    for k, at in enumerate(centres):
+        ball = jo.RigidBody.sphere(f"ball {k}", radius=RADIUS, mass=MASS, position=at)
+        items.append(ball)
+        shapes.append(CollisionShape(ball.name, ball["origin"], Sphere(RADIUS)))
+    law = PowerLaw(STIFFNESS, 1.0, restitution=0.5)
+    most = touching + len(centres)
+    items.append(Contacts("set", shapes, law=law, mu_kinetic=FRICTION, overlap="start", most=most))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        model = jo.compile(jo.Mechanism(*items))
+    steps = max(4, 200 // len(centres))
+    within = time_run(model, jo.RK4(2e-4), steps, rounds, evaluations=True)
+    engine = jo.model.Engine(model)
+    engine.assemble()
+    alone, repeats = np.inf, max(2, 4000 // len(centres))
+    for _ in range(3 * rounds):
+        begin = time.process_time()
+        for _ in range(repeats):
+            engine.accelerations()
+        alone = min(alone, 1e6 * (time.process_time() - begin) / repeats)
+    return alone, within
+
+
+def time_run(model: jo.Model, solver: Any, steps: int, rounds: int, evaluations: bool) -> float:
+    """Microseconds of a step, or of the parts into which contacts divide it, or an evaluation."""
+    best = np.inf
+    for _ in range(rounds):
+        engine = jo.model.Engine(model)
+        engine.assemble()
+        native = engine.native_solver(
+            solver.method, solver.step, solver.projection, **solver.options
+        )
+        rows = np.zeros((1, engine.row_size))
+        engine.run(native, 2, 2, rows)
+        engine.counts.evaluations = engine.counts.steps = 0
+        begin = time.process_time()
+        status, _ = engine.run(native, steps, steps, rows)
+        spent = time.process_time() - begin
+        assert status == "ok"
+        count = engine.counts.evaluations if evaluations else engine.counts.steps
+        best = min(best, 1e6 * spent / int(count))
+    return best
+
+
+def exudyn_heap(side: int, rounds: int) -> float:
+    """The same with EXUDYN."""
+    centres, _ = heap(side)
+    return measure_exudyn(len(centres), rounds, centres)
+
+
+def mujoco_heap(side: int, rounds: int) -> float:
+    """The same with MuJoCo."""
+    centres, touching = heap(side)
+    return measure_mujoco(len(centres), rounds, centres, touching)
+
+
+def quadruped(height: float, contacts: bool = True) -> jo.Model:
+    """The standing quadruped of the example, `height` above its floor."""
+    sys.path.insert(0, str(Path(__file__).parents[1] / "examples"))
+    import quadruped as example
+
+    return example.quadruped(above=height, contacts=contacts)
+
+
+def mujoco_quadruped(rounds: int) -> float:
+    """Microseconds of a step of the quadruped that stands, 2 ms, with MuJoCo's Newton solver."""
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_path(
+        str(Path(__file__).parents[1] / "examples" / "data" / "quadruped.xml")
+    )
+    data = mujoco.MjData(model)
+    stance = np.tile(np.radians((25, -50)), 4)
+    data.qpos[2] = 0.4 * np.cos(np.radians(25)) + 0.025
+    data.qpos[7:] = data.ctrl[:] = stance
+    mujoco.mj_step(model, data, nstep=2000)
+    best = np.inf
+    for _ in range(rounds):
+        begin = time.process_time()
+        mujoco.mj_step(model, data, nstep=STEPS)
+        best = min(best, 1e6 * (time.process_time() - begin) / STEPS)
+    assert data.ncon == 4
     return best
 
 
@@ -181,6 +285,29 @@ def main() -> None:
             theirs = peer(n, rounds)
             print(f" {theirs:9.2f} {theirs / own:6.1f}", end="", flush=True)
         print(flush=True)
+    print(
+        "cubes of spheres that touch; us: an evaluation, the same in a run of RK4, a step, a step"
+    )
+    for side in (1,) if short else (1, 5, 10):
+        alone, within = measure_heap(side, rounds)
+        print(f"{heap(side)[1]:6d}  {alone:9.2f} {within:17.2f}", end="", flush=True)
+        for peer_heap in (exudyn_heap, mujoco_heap):
+            theirs = peer_heap(side, rounds)
+            print(f" {theirs:9.2f} {theirs / alone:6.1f}", end="", flush=True)
+        print(flush=True)
+    print("quadruped that stands on four contacts; us a step: 2 ms, RK4 in parts")
+    standing = quadruped(0.0)
+    theirs = mujoco_quadruped(rounds)
+    for solver in (jo.RK4(1e-4), jo.ROS2(2e-3)):
+        own = time_run(standing, solver, 50, rounds, evaluations=False)
+        name = type(solver).__name__
+        print(f"{name:6s}  {own:9.2f} {theirs:19.2f} {theirs / own:6.1f}", flush=True)
+    print("the same 1 m above its floor; us a step: with contacts, without, ratio")
+    high, none = quadruped(1.0), quadruped(1.0, contacts=False)
+    for solver in (jo.RK4(5e-4), jo.ROS2(2e-3)):
+        with_them, without = (time_run(one, solver, 50, 4 * rounds, False) for one in (high, none))
+        name = type(solver).__name__
+        print(f"{name:6s}  {with_them:9.2f} {without:9.2f} {with_them / without:9.3f}", flush=True)
 
 
 if __name__ == "__main__":

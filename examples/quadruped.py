@@ -27,8 +27,10 @@ SWING, RATE, TIME = np.radians(8), 1.0, 8.0  # amplitude of hips and knees, Hz, 
 RUBBER = PowerLaw(1e6, restitution=0.1, slowest=0.1)
 
 
-def quadruped(swing: float = 0.0, slope: float = 0.0) -> jo.Model:
-    """The robot on a floor, its joints held by servos that let the legs swing, 1 Hz."""
+def quadruped(
+    swing: float = 0.0, slope: float = 0.0, above: float = 0.0, contacts: bool = True
+) -> jo.Model:
+    """The robot on a floor, or above it; servos hold its joints and let the legs swing, 1 Hz."""
     with warnings.catch_warnings():  # the reader warns that it makes no contacts of its shapes
         warnings.filterwarnings("ignore", ".*contact is off")
         robot = jo.robots.read_mjcf(FILE)
@@ -39,12 +41,13 @@ def quadruped(swing: float = 0.0, slope: float = 0.0) -> jo.Model:
     joints: dict[str, Any] = {
         one.name: one.coordinate for one in body.sensors if isinstance(one, jo.CoordinateSensor)
     }
-    floor = jo.ground.at((0, 0, 0.42 - 2 * LENGTH * np.cos(HIP) - RADIUS))
+    floor = jo.ground.at((0, 0, 0.42 - 2 * LENGTH * np.cos(HIP) - RADIUS - above))
     items: list[Any] = [jo.PositionSensor("trunk", links["trunk"]["origin"])]
     for leg, shin in SHINS.items():
         foot = links[shin].at((0, 0, -LENGTH))
         contact = Contact(leg, floor, HalfSpace(), foot, Sphere(RADIUS), RUBBER, mu_kinetic=0.8)
-        items += [contact, jo.ForceSensor(f"{leg} force", contact)]
+        if contacts:
+            items += [contact, jo.ForceSensor(f"{leg} force", contact)]
         items += [jo.PositionSensor(f"{leg} foot", foot)]
         phase = 0.0 if leg in ("fl", "hr") else np.pi
         for joint, mean, ahead in (("hip", HIP, 0.0), ("knee", KNEE, np.pi / 2)):
