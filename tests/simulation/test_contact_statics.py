@@ -116,3 +116,16 @@ def test_joints_that_stick_are_refused():
     model = jo.compile(jo.Mechanism(arm, joint, friction, contact, jo.Gravity((0, 0, -G))))
     with pytest.raises(jo.InputError, match="rub.*sticks beside contacts.*Regularised"):
         jo.equilibrium(model)
+
+
+def test_a_search_that_ends_without_rest_says_how_far_it_moves():
+    """Nothing holds the ball: it rolls down the slope, by a finite share of its size a step."""
+    ball = jo.RigidBody.sphere("ball", radius=0.1, mass=1.0, position=(0, 0, 0.1))
+    law, floor = PowerLaw(1e6), jo.ground["origin"]
+    touch = Contact("touch", floor, HalfSpace(), ball["origin"], Sphere(0.1), law, mu_kinetic=0.5)
+    model = jo.compile(jo.Mechanism(ball, touch, jo.Gravity((1.0, 0, -9.7))))
+    with pytest.raises(
+        jo.SimulationError,
+        match=r"still moves by \d\.\de[-+]\d\d rad or of its size in a step of \d",
+    ):
+        jo.equilibrium(model)

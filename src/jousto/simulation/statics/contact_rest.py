@@ -58,16 +58,17 @@ def rest_on_contacts(model: Model, state: State | None) -> State:
     before = np.inf
     for _ in range(STEPS):
         done = engine.counts.steps
-        length, h = _step(engine, h, longest, time, since)
+        moved, h = _step(engine, h, longest, time, since)
         parts = engine.counts.steps - done
+        length = moved if h >= longest else np.inf  # a shorter step is no measure of rest
         if length <= STILL or (length <= STALLED and length > 0.5 * before):
             return _found(engine, start, time)
         before = length if h >= longest else np.inf
         h = min((LONGER if parts <= CALM else 0.5 if parts > BUSY else 1.0) * h, longest)
     raise SimulationError(
-        f"no static equilibrium found in {STEPS} steps: it still moves by {length:.1e} of its size "
-        "in a step; if a force acts in a direction in which nothing holds a body, add a contact or "
-        "a joint; otherwise start nearer to the equilibrium (state=...)",
+        f"no static equilibrium found in {STEPS} steps: it still moves by {moved:.1e} rad or of "
+        f"its size in a step of {h:.1e} s; if a force acts in a direction in which nothing holds a "
+        "body, add a contact or a joint; otherwise start nearer to the equilibrium (state=...)",
         time=time,
     )
 
@@ -75,10 +76,7 @@ def rest_on_contacts(model: Model, state: State | None) -> State:
 def _step(
     engine: Engine, h: float, longest: float, time: float, since: NDArray[np.intp]
 ) -> tuple[float, float]:
-    """Make one step of h or, if it leads too far, of a part; return its increment and length.
-
-    The increment of a step that is shorter than the longest one counts as infinite.
-    """
+    """Make one step of h or, if it leads too far, of a part; return its increment and length."""
     rewind, q = engine.mark(), np.array(engine.q)
     while True:
         engine.v[:] = 0.0
@@ -96,7 +94,7 @@ def _step(
     engine.time[0] = time  # loads are those of this time
     engine.states[since] = time - LONG_AGO
     engine.v[:] = 0.0
-    return (moved if h >= longest else np.inf), h
+    return moved, h
 
 
 def _increment(engine: Engine, q: Array) -> float:
