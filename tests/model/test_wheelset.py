@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from functools import lru_cache
 from typing import Any
 
@@ -251,3 +252,17 @@ def test_both_cores_agree(core):
 
 
 CORES: dict[str, Any] = {}
+
+
+@pytest.mark.filterwarnings("default")
+def test_linear_motions_of_a_wheel_that_rolls_are_warned_of():
+    """Their axes turn with the wheel; at rest there is nothing to warn of."""
+    model, _ = wheelset(40.0, (R + 2e-4, 80.0), cone=0.1)
+    with pytest.warns(jo.JoustoWarning, match="wheel 'axle' rolls at 80 rad/s"):
+        jo.simulation.linearise(model)
+    with pytest.warns(jo.JoustoWarning, match="simulate a small motion"):
+        jo.modes(model, damped=True)
+    still, _ = wheelset(0.0, (R + 2e-4, 0.0), cone=0.1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        jo.simulation.linearise(still)

@@ -39,6 +39,7 @@ NONHOLONOMIC = (
     "rail rolled",
     "rail across",
 )  # coordinates with a rate but no value
+ROLLING = "rail contact"  # kind of force whose bodies b roll
 RANK = 1e-10  # singular value of the scaled constraint matrix over the largest, below it a null
 
 
@@ -402,10 +403,16 @@ def linearise(
     ------
     InputError
         If a name does not exist, or a body or joint is singular at the state.
+
+    Warns
+    -----
+    JoustoWarning
+        If a wheel rolls on a rail (`RailContact`): the axes turn with it.
     """
     sensors = [sensor.name for sensor in model.sensors]
     chosen = _known("input", model.inputs, inputs)
     kept = _known("sensor", sensors, outputs)
+    _warn_rolling(model, state, "linearise")
     t = tangent(model, state)
     f = t.N.shape[1]
     places = [model.inputs.index(name) for name in chosen]
@@ -505,6 +512,7 @@ def modes(
             _warn_turning(model, state, found)
         return _modes(model, state, found, x, round_off)
     if damped:
+        _warn_rolling(model, state, f"modes of {model.name!r}")
         t = tangent(loaded, state)
         N, f = t.N, t.N.shape[1]
         values, vectors = np.linalg.eig(system_matrix(t))
@@ -531,6 +539,25 @@ def _warn_held(model: Model) -> None:
             f"PID '{held[0].name}' is included with its proportional part only: modes of "
             "mechanisms as large as this one omit the states of forces",
         )
+
+
+def _warn_rolling(model: Model, state: State | None, where: str) -> None:
+    """Warn of wheels that roll on rails: in axes that turn with them, the rail is not constant."""
+    v = model.v0 if state is None else state.v
+    for force in model.forces:
+        if force.element != ROLLING:
+            continue
+        body = model.bodies[model.markers[force.b].body]
+        spin = float(np.linalg.norm(np.real(v[body.iv + 3 : body.iv + 6])))
+        if spin > 0.0:
+            warn(
+                where,
+                f"wheel '{body.name}' rolls at {spin:.3g} rad/s; the axes of the linear motion "
+                "turn with each body, in which the force of the rail changes, so that eigenvalues "
+                "do not tell whether the motion grows: simulate a small motion instead, as "
+                "examples/wheelset_hunting.py does",
+            )
+            return
 
 
 def _warn_turning(model: Model, state: State, eigenvalues: Eigenvalues) -> None:
