@@ -239,6 +239,21 @@ def test_creep_never_gives_power():
         assert found[1:4] @ found[4:7] < 0
 
 
+def test_pressure_of_a_round_contact():
+    """Equal radii: p0 = (6 N E*^2 / (pi^3 R^2))^(1/3), a^3 = 3 N R / (4 E*) (Johnson 1985, 4.2)."""
+    body = jo.RigidBody("w", 600.0, (40, 70, 40), position=(0, 0, R - 5e-5))
+    contact = RailContact("c", jo.ground["origin"], body["origin"], R, head=R, axle=(0, 1, 0))
+    sensor = RailContactSensor("s", contact)
+    engine = jo.model.Engine(jo.compile(jo.Mechanism(body, contact, sensor)))
+    engine.accelerations()
+    found = engine.sensors()
+    N, half = found[0], E / 2 / (1 - NU**2)
+    assert N == pytest.approx(4 / 3 * half * np.sqrt(R) * 5e-5**1.5, rel=1e-6)
+    assert found[7] == pytest.approx((6 * N * half**2 / np.pi**3 / R**2) ** (1 / 3), rel=1e-6)
+    np.testing.assert_allclose(found[8:10], (3 * N * R / 4 / half) ** (1 / 3), rtol=1e-6)
+    np.testing.assert_allclose(found[10:], (R - 5e-5, 0.0), atol=1e-12)
+
+
 # -- rest, input, files --------------------------------------------------------------------------
 
 
