@@ -26,6 +26,14 @@ STILL = 1e-9  # displacement in a run over the size of the mechanism, below whic
 OPEN_LIMIT = 1e-4  # gap over the size of the mechanism, above which redundant joints end the run
 
 
+RESTING = 0.1
+"""Largest kinetic energy over the exchanged energy of a machine that only settles."""
+SETTLED = 1e-6
+"""Way over the size of a mechanism by which its weight settles unseen."""
+SETTLED_SPRINGS = 1e-3
+"""Share of the energy in springs that settles unseen."""
+
+
 @functools.cache
 def _diagnostics() -> tuple[slice, int]:
     """Return the places of the energies, one after the other, and of the gaps."""
@@ -101,6 +109,18 @@ class RunWatch:
         still = mass * (STILL * size / lasted) ** 2 if lasted > 0.0 else 0.0
         return max(1e-6 * level, 1e-12 * potential, 1e-12 * weight * size, still)
 
+    def _settling(self, kinetic: float, exchanged: float, springs: float) -> float:
+        """Return the energy, J, that is negligible while contacts settle under their loads, else 0.
+
+        Nothing moves then: bristles and depths find their loads, within a millionth of the size of
+        the mechanism, or of a thousandth of what springs store.
+        """
+        if not self._model.touches or kinetic > RESTING * exchanged:
+            return 0.0
+        mass = sum(float(b.mass[0]) for b in self._model.bodies)
+        weight = mass * float(np.abs(self._model.gravity).max())
+        return max(SETTLED * weight * self._model.size, SETTLED_SPRINGS * springs)
+
     def _gaping(self, row: NDArray[np.float64]) -> str:
         """Return a sentence with the joint of the largest gap at an instant, and with the cause."""
         return disagreement(self._model, row[1 : 1 + self._model.nq], float(row[0]))
@@ -148,9 +168,9 @@ class RunWatch:
         level = {name: max(abs(high[name]), abs(low[name])) for name in ENERGIES}
         potential, kinetic = level.pop("potential"), level["kinetic"]
         scale = max(exchanged, STEADY * kinetic)
-        if self._missed > FAIR * scale and self._missed > self._small(
-            max(level.values()), potential
-        ):
+        small = self._small(max(level.values()), potential)
+        small = max(small, self._settling(kinetic, exchanged, level["springs"]))
+        if self._missed > FAIR * scale and self._missed > small:
             warn(
                 where,
                 f"the error of the energy balance is {self._missed:.3g} J of {exchanged:.3g} J "
