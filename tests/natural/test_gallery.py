@@ -38,6 +38,7 @@ def test_no_machine_is_missing() -> None:
         "bucket_stop",
         "door_latch",
         "gripper",
+        "humanoid",
         "crane_hydraulics",
         "quadruped",
         "railway_wheel",
