@@ -215,6 +215,10 @@ static inline int jo_has_contact_sets(const jo_data *d) { return d->contact_sets
 const jo_real *jo_polytope_read(const jo_real *data, jo_polytope *p);   /* returns the end of its data */
 void jo_polytope_place(jo_polytope *p, const jo_real *r, const jo_real *R);   /* NULL: at the origin */
 double jo_polytope_height(const jo_polytope *p, const double *n);   /* largest n . y, resolved in its own frame */
+/* smallest sine of the angle by which edges that begin at an end of the edge (i, k), or at the vertex i = k, rise from the plane across n there */
+double jo_polytope_rises(const jo_polytope *p, int i, int k, const double *n);
+double jo_polytope_room(const jo_polytope *p, int i, int k, const double *x);   /* of the edge (i, k), on the shorter side of its place nearest to x */
+int jo_polytope_extreme(const jo_polytope *p, const double *n, int from, double *y);   /* place farthest along n, and its vertex */
 double jo_polytope_reach(const jo_polytope *p);   /* largest distance of a place from its origin, m, less its radius */
 
 /* part.c */

@@ -132,3 +132,34 @@ double jo_polytope_reach(const jo_polytope *p)
     for (int i = 0; i < p->vertices && !p->round; i++) most = fmax(most, jo_length(p->vertex + 3 * i, 3));
     return most;
 }
+
+/* smallest -n . u of the edges u at an end of the edge (i, k), or at the vertex i = k, but for the edge itself */
+double jo_polytope_rises(const jo_polytope *p, int i, int k, const double *n)
+{
+    const int ends[2] = {i, k};
+    double least = 1.0, x[3], u[3];
+    for (int e = 0; e < 1 + (i != k); e++) {
+        jo_polytope_vertex(p, ends[e], x);
+        for (int j = jo_whole(p->near[ends[e]]); j < jo_whole(p->near[ends[e] + 1]); j++) {
+            const int other = jo_whole(p->neighbour[j]);
+            if (other == ends[1 - e]) continue;
+            jo_polytope_vertex(p, other, u);
+            jo_minus3d(u, u, x);
+            jo_unit3d(u);
+            least = fmin(least, -jo_dot3d(n, u));
+        }
+    }
+    return least;
+}
+
+/* length of the edge (i, k) on both sides of the place of it that is nearest to x: the shorter one */
+double jo_polytope_room(const jo_polytope *p, int i, int k, const double *x)
+{
+    double at[3], e[3];
+    jo_polytope_vertex(p, i, at);
+    jo_polytope_vertex(p, k, e);
+    jo_minus3d(e, e, at);
+    const double length = jo_unit3d(e);
+    jo_minus3d(at, x, at);
+    return fmin(jo_dot3d(at, e), length - jo_dot3d(at, e));
+}

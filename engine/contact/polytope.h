@@ -30,7 +30,6 @@ static inline double jo_unit3d(double *n)
 void jo_polytope_vertex(const jo_polytope *p, int i, double *y);
 double jo_polytope_face(const jo_polytope *p, int i, double *n);   /* outward normal n; returns n . y of its plane */
 int jo_polytope_support(const jo_polytope *p, const double *n, int from);   /* vertex with the largest n . y; climbs from a vertex */
-int jo_polytope_extreme(const jo_polytope *p, const double *n, int from, double *y);   /* place y with the largest n . y, its vertex or 0 */
 int jo_polytope_corners(const jo_polytope *p, int face);   /* number of corners of a face */
 int jo_polytope_corner(const jo_polytope *p, int face, int i);   /* its vertex; i is taken in turn */
 

@@ -8,7 +8,7 @@
  * The same holds for a plane that b carries along, with the vertices y_j of a below it: c_j = n . (v + w x x_j), with levers x_j = y_j - r from the
  * origin of b. As the plane turns and this origin moves, it differs from that by at most |w| (2 |v| + |w| |x|) t. Both bounds hold, so the
  * higher one does: where an edge of a is over a face of b, vertices of the face approach a plane of a although the gap opens. */
-#include "contact/polytope.h"
+#include "contact/contact.h"
 #include "force/contact_pair.h"
 
 #define JO_ROUND_OFF 1e-15   /* of a coordinate, over the size of the machine about it */
@@ -126,25 +126,6 @@ void jo_pair_approach_part(const jo_contact_pair_pose *p, double code, const dou
     if (to->within < INFINITY && turning > 0.0) rates_of(&some, n, bent_by(p, of_a, reach), to);
 }
 
-/* Smallest sine of the angle by which the edges at an end of the edge (i, k), or at the vertex i = k, rise from the plane across n through it. */
-static double rising(const jo_polytope *p, int i, int k, const double *n)
-{
-    const int ends[2] = {i, k};
-    double least = 1.0, x[3], u[3];
-    for (int e = 0; e < 1 + (i != k); e++) {
-        jo_polytope_vertex(p, ends[e], x);
-        for (int j = jo_whole(p->near[ends[e]]); j < jo_whole(p->near[ends[e] + 1]); j++) {
-            const int other = jo_whole(p->neighbour[j]);
-            if (other == ends[1 - e]) continue;
-            jo_polytope_vertex(p, other, u);
-            jo_minus3d(u, u, x);
-            jo_unit3d(u);
-            least = fmin(least, -jo_dot3d(n, u));
-        }
-    }
-    return least;
-}
-
 /* n . (v + w x (x - r)), of the place x of b */
 static double rate_at(const jo_contact_pair_pose *p, const double *n, const double *x)
 {
@@ -160,18 +141,6 @@ static void narrow(jo_approach *to, double rate, double bent)
 {
     to->rate = fmax(to->rate, rate - bent * to->within);
     to->highest = fmin(to->highest, rate + bent * to->within);
-}
-
-/* length of the edge (i, k) on both sides of the place of it that is nearest to x: the shorter one */
-static double room_on_edge(const jo_polytope *p, int i, int k, const double *x)
-{
-    double at[3], e[3];
-    jo_polytope_vertex(p, i, at);
-    jo_polytope_vertex(p, k, e);
-    jo_minus3d(e, e, at);
-    const double length = jo_unit3d(e);
-    jo_minus3d(at, x, at);
-    return fmin(jo_dot3d(at, e), length - jo_dot3d(at, e));
 }
 
 /* Two edges that cross at the angle x: the direction n across both turns with them, by at most |w| / sin x, and separates the shapes by the
@@ -192,21 +161,20 @@ static void rates_of_edges(const jo_contact_pair_pose *p, const int *of, jo_appr
         on_a[i] = JO_RE(g.foot[i]);
         on_b[i] = on_a[i] + JO_RE(g.gap) * n[i];
     }
-    if (!(sine > 0.0 && rising(&p->a, of[0], of[1], n) > spin * h / sine && rising(&p->b, of[2], of[3], back) > spin * h * (1.0 + 1.0 / sine))) return;
+    if (!(sine > 0.0 && jo_polytope_rises(&p->a, of[0], of[1], n) > spin * h / sine && jo_polytope_rises(&p->b, of[2], of[3], back) > spin * h * (1.0 + 1.0 / sine))) return;
     const double slides = (jo_approach_speed(to) + fabs(JO_RE(g.gap)) * spin / sine) / sine;
-    if (!(room_on_edge(&p->a, of[0], of[1], on_a) > slides * h && room_on_edge(&p->b, of[2], of[3], on_b) > slides * h)) return;
+    if (!(jo_polytope_room(&p->a, of[0], of[1], on_a) > slides * h && jo_polytope_room(&p->b, of[2], of[3], on_b) > slides * h)) return;
     narrow(to, rate_at(p, n, on_b), spin * (jo_approach_speed(to) / sine + 2.0 * slides));
 }
 
 /* A vertex of a in front of a face of b, as for the planes that b carries along, also where other vertices of a are too far for these. */
 static void rates_of_vertex(const jo_contact_pair_pose *p, const double *n, int from, jo_approach *to)
 {
-    const int v = jo_polytope_support(&p->a, n, from);
     const double spin = jo_length(p->w, 3);
     double x[3];
     jo_real lever[3];
-    if (!(rising(&p->a, v, v, n) > spin * to->within)) return;
-    jo_polytope_vertex(&p->a, v, x);
+    const int v = jo_polytope_extreme(&p->a, n, from, x);
+    if (!(jo_polytope_rises(&p->a, v, v, n) > spin * to->within)) return;
     for (int i = 0; i < 3; i++) lever[i] = x[i] - p->r[i];
     narrow(to, rate_at(p, n, x), bent_by(p, 1, jo_length(lever, 3)));
 }
