@@ -107,9 +107,10 @@ def draw(runs: dict[str, jo.Solution], path: Path) -> None:
         figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
         for color, (label, run) in zip(COLORS, runs.items(), strict=False):
             left.plot(run.time, 1e3 * run["place"][:, 1], color=color, label=label)
+        fastest = list(runs.values())[-1]
         for color, side in zip(COLORS, ("left", "right"), strict=False):
-            load = run[f"{side} flange"][:, 0]
-            right.plot(run.time, 1e-3 * load, color=color, label=f"{side} flange")
+            load = fastest[f"{side} flange"][:, 0]
+            right.plot(fastest.time, 1e-3 * load, color=color, label=f"{side} flange")
         left.hlines([1e3 * PLAY, -1e3 * PLAY], 0.0, 4.0, color="0.6", lw=0.8)
         left.set(xlabel="time (s)", ylabel="across (mm)", title="The wheelset")
         right.set(xlabel="time (s)", ylabel="kN", title="Load of the flanges above it")
