@@ -110,7 +110,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 35 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 36 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -150,7 +150,8 @@ typedef enum { JO_COORDINATE_AXES = 1,        /* (axis_a of a) . (axis_b of b) *
                JO_COORDINATE_RAIL_GAP = 8,    /* of a conical wheel on a rail, see rail_coordinate.c */
                JO_COORDINATE_RAIL_ROLLED = 9,
                JO_COORDINATE_RAIL_ACROSS = 10,
-               JO_COORDINATE_ROPE = 11        /* between two sheaves, see rope_coordinate.c */
+               JO_COORDINATE_ROPE = 11,       /* between two sheaves, see rope_coordinate.c */
+               JO_COORDINATE_SLIP = 12        /* of a sphere on a plane along axis_a of a, see rolling_coordinate.c */
 } jo_coordinate_type;
 typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTATION = 3, JO_SENSOR_ANGULAR_VELOCITY = 4,
                JO_SENSOR_MODAL = 5, JO_SENSOR_REACTION = 6, JO_SENSOR_STRESS = 7, JO_SENSOR_ACCELERATION = 8,
@@ -249,7 +250,7 @@ typedef struct {
     int axis_a, axis_b;     /* AXES, ALONG */
     int turn;               /* ANGLE: index among the counted angles, else -1 */
     int link;               /* link whose joint coordinate equals plus or minus this coordinate; -1: none */
-    double radius;          /* RIM, ROLLED, ACROSS: of the disc; RAIL: of the wheel; ROPE: of the sheave of a, m */
+    double radius;          /* RIM, ROLLED, ACROSS: of the disc; SLIP: of the sphere; RAIL: of the wheel; ROPE: of the sheave of a, m */
     double cone, head;      /* RAIL: increase of the radius along the axle; radius of the head of the rail; ROPE: head: of the sheave of b, m */
 } jo_coordinate;
 
@@ -375,17 +376,18 @@ typedef struct {
 } jo_force;
 
 /* Coefficients of friction; velocity, m/s, at which the regularised law reaches mu_static; lengths, m; preload, N; plane 1: N is |F_z|, of a
- * disc on a plane. */
-typedef struct { jo_real mu_kinetic, mu_static, velocity, radius, bearing, collar, preload, plane; } jo_friction_data;
+ * disc on a plane. mass, kg: that in play at the point of a contact. */
+typedef struct { jo_real mu_kinetic, mu_static, velocity, radius, bearing, collar, preload, plane, mass; } jo_friction_data;
 /* Coulomb friction of a joint along one or two of its coordinates. Normal force from the reaction F, M on side 1, resolved in side 0:
  * N = preload + |F_xy| + |M_xy| / bearing. Revolute (an angle): N at the pin radius and |F_z| at the collar radius; prismatic (a
  * displacement along z): |M_z| / collar adds to N; cylindrical (displacement and angle): against the slip at the radius. A
- * length of 0 omits its term. */
+ * length of 0 omits its term. Of a contact: N from its law, and `joint` is the lock. */
 typedef struct {
     int joint, coordinate;
     int other;              /* second coordinate, -1: none */
     int law;                /* 0: regularised, 1: stick-slip */
     int lock;               /* stick-slip: joint whose rows lock the coordinates while the joint sticks */
+    int contact;            /* force that is the contact, a sphere or a point on a plane; -1: of a joint */
     const jo_friction_data *data;
 } jo_friction;
 

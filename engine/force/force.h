@@ -95,6 +95,10 @@ double jo_delay_error(const jo_model *m, const jo_data *d, int k);   /* of the i
 /* signal.c */
 jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_real time);
 
+/* force_contact.c */
+int jo_contact_touches(const jo_data *d, const jo_force *f);   /* whether a contact of one point touches */
+jo_real jo_contact_normal_force(const jo_model *m, const jo_data *d, const jo_force *f);   /* at the present state, N */
+
 /* force_table.c */
 void jo_start_force(const jo_model *m, jo_data *d, int force);   /* initial values of its states */
 int jo_apply_force(const jo_model *m, jo_data *d, const jo_stage *stage, int force);

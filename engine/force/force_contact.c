@@ -18,6 +18,7 @@
 #include "newton/newton.h"
 #include "force/contact_tip.h"
 #include "force/contact_turn.h"
+#include "friction/friction.h"
 
 static const jo_contact_data *numbers(const jo_force *f) { return (const jo_contact_data *)f->data; }
 static jo_real *states(const jo_data *d, const jo_force *f) { return d->w + (d->nw - d->forces.nstate) + f->state; }
@@ -31,6 +32,20 @@ static void present(const jo_model *m, const jo_data *d, const jo_force *f, cons
     if (!state) return;
     jo_contact_press(jo_contact_law_of(f), state, y);
     jo_contact_stretched(state + JO_CONTACT_STRETCH, y);
+}
+
+int jo_contact_touches(const jo_data *d, const jo_force *f)
+{
+    return jo_contact_phase(states(d, f)) != JO_CONTACT_APART && !jo_released(d, f->release);
+}
+
+jo_real jo_contact_normal_force(const jo_model *m, const jo_data *d, const jo_force *f)
+{
+    jo_contact_tip tip;
+    jo_contact_point y;
+    if (!jo_contact_touches(d, f)) return jo_same(0.0);
+    present(m, d, f, states(d, f), &tip, &y);
+    return y.N;
 }
 
 static jo_real stored(const jo_data *d, const jo_force *f)
@@ -198,6 +213,21 @@ static int jumps(const jo_force *f, const jo_real *before, const jo_real *after)
     return jo_contact_phase(before) != jo_contact_phase(after);
 }
 
+/* friction by rows: state, force on b, power */
+static void add_sticking(const jo_model *m, const jo_data *d, const jo_force *f, jo_touch *t)
+{
+    const int i = m->nfriction ? jo_friction_of_contact(m, f) : -1;
+    if (i < 0 || t->phase == JO_CONTACT_APART) return;
+    const jo_friction *rub = &m->friction[i];
+    t->phase = jo_sticks(m, d, rub) ? JO_CONTACT_STICKS : JO_CONTACT_SLIPS;
+    for (int k = 0; k < 2; k++) {
+        const jo_coordinate_work *w = &d->coordinate[jo_slip_of(rub, k)];
+        const double force = JO_RE(d->rub[2 * i + k]);
+        for (int j = 0; j < 3; j++) t->friction[j] += force * JO_RE(w->along[j]);
+        t->power[1] -= force * JO_RE(w->rate);
+    }
+}
+
 static int touches(const jo_model *m, const jo_data *d, const jo_force *f, const jo_real *state, jo_touch *t, jo_real *sums)
 {
     jo_contact_tip tip;
@@ -205,6 +235,7 @@ static int touches(const jo_model *m, const jo_data *d, const jo_force *f, const
     present(m, d, f, state, &tip, &y);
     jo_contact_touch(d->marker[f->a].A, d->marker[f->b].r, jo_contact_law_of(f), state, &y, t, sums);
     if (jo_contact_turns(f)) jo_turn_touch(numbers(f), state, &y, t, sums);
+    add_sticking(m, d, f, t);
     return 1;
 }
 

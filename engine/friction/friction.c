@@ -6,18 +6,23 @@
  */
 #include "valid.h"
 #include "maximal/maximal.h"
+#include "force/force.h"
 #include "friction/friction_law.h"
 #include "tree/tree.h"
 
 /* as JO_REST, when a disc touches a plane, where it rolls already after a flight that round-off caused */
 #define JO_TOUCH_REST 1e-6
-#define JO_OVERLOAD 1e-9    /* excess of the holding force, relative to the static friction, that counts as round-off */
 
-/* y (6) = reaction of the joint for multipliers lam, in the axes of side 0 */
+/* y (6) = reaction of the joint for multipliers lam, in the axes of side 0; of a contact its normal force, whatever they are */
 void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y)
 {
     const jo_joint *k = &m->joint[f->joint];
     const jo_real *A = d->marker[k->side[0]].A;
+    if (f->contact >= 0) {
+        for (int j = 0; j < 6; j++) y[j] = jo_same(0.0);
+        y[2] = jo_contact_normal_force(m, d, &m->force[f->contact]);
+        return;
+    }
     jo_reaction_of(m, d, f->joint, lam + k->row, y);
     jo_mul3t(y, A, y);
     jo_mul3t(y + 3, A, y + 3);
@@ -100,12 +105,12 @@ int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *pre
 }
 
 /* friction forces y (2) along the coordinates of a sliding joint; 0 if it sticks */
-static void sliding_force(const jo_model *m, const jo_data *d, int i, jo_real *y)
+void jo_friction_sliding_force(const jo_model *m, const jo_data *d, int i, jo_real *y)
 {
     const jo_friction *f = &m->friction[i];
     jo_real pressed[2], turned[2], collar;
     y[0] = y[1] = 0.0;
-    if (jo_sticks(m, d, f)) return;
+    if (jo_sticks(m, d, f) || jo_friction_apart(m, d, f)) return;
     const jo_real N = normal_force(m, d, f, &collar);
     jo_friction_weights(m, d, i, pressed, turned);
     for (int k = 0; k < jo_slips(f); k++) y[k] = pressed[k] * N + turned[k] * collar;
@@ -163,8 +168,8 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
     }
     /* gradients g, h of N and c of the collar, in the axes of side 0 */
     if (JO_RE(data->plane) > 0.0) {
-        g[0] = g[1] = 0.0;
-        g[2] = JO_RE(F[2]) < 0.0 ? -1.0 : 1.0;
+        g[0] = g[1] = g[2] = 0.0;
+        if (f->contact < 0) g[2] = JO_RE(F[2]) < 0.0 ? -1.0 : 1.0;
     } else {
         gradient_of_length(g, F[0], F[1], 1.0);
     }
@@ -204,31 +209,26 @@ void jo_friction_apply_force(const jo_model *m, jo_data *d, int i)
         if (d->rub[2 * i + k] != 0.0) jo_push_along(m, d, jo_slip_of(&m->friction[i], k), d->rub[2 * i + k]);
 }
 
+/* Sliding friction of contacts on the bodies: their normal forces follow from the state, so that these forces are known in advance. */
+void jo_friction_push_contacts(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nfriction; i++) {
+        const jo_friction *f = &m->friction[i];
+        jo_real *y = d->rub + 2 * i;
+        if (f->contact < 0) continue;
+        jo_friction_sliding_force(m, d, i, y);
+        jo_friction_apply_force(m, d, i);
+        for (int k = 0; k < jo_slips(f); k++) d->power.friction -= y[k] * d->coordinate[jo_slip_of(f, k)].rate;
+    }
+}
+
 /* friction forces at given multipliers and velocities, on the bodies and in rub */
 void jo_friction_apply_forces(const jo_model *m, jo_data *d)
 {
-    for (int i = 0; i < m->nfriction; i++) sliding_force(m, d, i, d->rub + 2 * i);
+    for (int i = 0; i < m->nfriction; i++) jo_friction_sliding_force(m, d, i, d->rub + 2 * i);
     for (int i = 0; i < m->nfriction; i++) jo_friction_apply_force(m, d, i);
     for (int i = 0; i < m->nfriction; i++)   /* sticking: force of the lock row */
         if (jo_sticks(m, d, &m->friction[i])) jo_friction_sticking_force(m, d, &m->friction[i], d->rub + 2 * i);
-}
-
-/* margin of friction i after jo_evaluate, positive while its state persists. It is the static limit minus the holding force, N or N m,
- * while sticking, and the slip speed along its direction, m/s, while sliding. JO_OVERLOAD and JO_REST are added to exclude round-off. */
-jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
-{
-    const jo_friction *f = &m->friction[i];
-    jo_real y[2], collar;
-    if (jo_sticks(m, d, f)) {
-        const jo_real N = normal_force(m, d, f, &collar), limit = (1.0 + JO_OVERLOAD) * f->data->mu_static;
-        jo_friction_sticking_force(m, d, f, y);
-        if (jo_slips(f) == 1) return limit * (jo_slip_arm(m, f, 0) * N + collar) - jo_size(y[0]);
-        return limit * N - jo_length2(y[0] / jo_slip_arm(m, f, 0), y[1] / jo_slip_arm(m, f, 1));
-    }
-    if (!f->law || !d->slip[i]) return 1.0;
-    jo_friction_slip(m, d, f, y);
-    const jo_real *e = d->direction + 2 * i;
-    return JO_REST * jo_slip_scale(m, f) + (jo_slips(f) == 1 ? d->slip[i] * y[0] : e[0] * y[0] + e[1] * y[1]);
 }
 
 /* end of a step: the direction of slip along two coordinates becomes the direction of the slip velocity */

@@ -22,6 +22,9 @@ typedef struct {
     jo_work power;          /* powers, W, and power of the drives, W, before the last changes at the end of a step */
     jo_real drive;
     int nsliding, n;         /* number of sliding frictions and of their forces */
+    double *share;          /* (njoint) locks of contacts: 1 / (mass N), over the sum of N of their body, 1/kg, by which they share; 0: none */
+    int *first, *next;      /* (nbody), (nfriction) first contact of each bearing body, and the next one of the same body; -1: none */
+    double *press;          /* (nbody) sum of N of the contacts of a body that stick, N */
     jo_real *lam;           /* (nrow) multipliers without friction */
     jo_real *reach;         /* (JO_REACH x nrow) change of the multipliers by a unit of each force */
     jo_real *f, *g, *r, *before, *change;   /* forces, g(f), residual g - f, residual before, change of f */

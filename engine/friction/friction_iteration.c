@@ -100,7 +100,7 @@ static void find_sliding(const jo_model *m, jo_data *d, const jo_stage *stage)
     for (int i = 0; i < m->nfriction; i++) {
         const jo_friction *f = &m->friction[i];
         jo_sliding_friction *s = &w->sliding[w->nsliding];
-        if (jo_sticks(m, d, f)) continue;
+        if (f->contact >= 0 || jo_sticks(m, d, f)) continue;
         if (!jo_friction_weights(m, d, i, s->press, s->collar)) continue;
         s->friction = i;
         s->first = w->n;
@@ -306,7 +306,8 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
     find_sliding(m, d, stage);
     if (w->n && !solve_forces(m, d, stage, 1.0) && !solve_forces(m, d, stage, JO_SHORT_START)) return report_failure(d);
     if (w->n) apply_friction(m, d, stage);
-    for (int i = 0; i < 2 * m->nfriction; i++) f[i] = 0.0;
+    for (int i = 0; i < m->nfriction; i++)   /* those of contacts are known, see jo_friction_push_contacts */
+        if (m->friction[i].contact < 0) f[2 * i] = f[2 * i + 1] = 0.0;
     for (int i = 0; i < w->nsliding; i++) {
         const jo_sliding_friction *s = &w->sliding[i];
         for (int k = 0; k < s->count; k++) {
@@ -327,6 +328,7 @@ void jo_friction_layout(const jo_model *m, jo_data *d, jo_arena *a)
     x->sliding = jo_take_many(a, m->nfriction, sizeof *x->sliding);
     x->coordinate = jo_take_ints(a, 2 * m->nfriction);
     x->turns = jo_take_ints(a, m->nfriction);
+    jo_friction_layout_contacts(m, d, a);
     x->lam = jo_take_reals(a, m->nfriction ? m->nrow : 0);
     x->reach = jo_take_reals(a, m->nfriction ? JO_REACH * m->nrow : 0);
     for (int i = 0; i < 5; i++) *forces[i] = jo_take_reals(a, 2 * m->nfriction);

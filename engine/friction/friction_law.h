@@ -7,6 +7,8 @@
 #define JO_REST 1e-10   /* ratio of slip speed and scale of the slip, 1/s, below which a joint is at rest */
 #define JO_RADII 100.0  /* scale of the slip of a pin over its radius, at most: rates above 1e-8 rad/s are no rest, however thin the pin is */
 
+#define JO_OVERLOAD 1e-9    /* excess of the holding force, relative to the static friction, that counts as round-off */
+
 static inline int jo_slip_turns(const jo_model *m, const jo_friction *f, int k)
 {
     return m->coordinate[jo_slip_of(f, k)].type == JO_COORDINATE_ANGLE;
@@ -56,6 +58,11 @@ int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *pre
 void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y);   /* axes of side 0 */
 void jo_friction_joint_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* last evaluation */
 void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* static friction */
+
+void jo_friction_sliding_force(const jo_model *m, const jo_data *d, int i, jo_real *y);   /* along the coordinates; 0 if it sticks */
+
+/* friction_margin.c */
+void jo_friction_let_go(const jo_model *m, jo_data *d, int i);
 
 /* friction_switch.c */
 void jo_friction_start_sliding(const jo_model *m, jo_data *d, int i);

@@ -1,6 +1,7 @@
 /* friction_switch.c - transitions between sticking and sliding of stick-slip frictions. */
 #include "valid.h"
 #include "maximal/maximal.h"
+#include "force/force.h"
 #include "friction/friction_law.h"
 #include "tree/tree.h"
 
@@ -9,6 +10,8 @@
 #define JO_BACK_ACCELERATION 1e-9   /* acceleration against the slip / scale of the slip, 1/s2, above which the slip ends */
 enum { JO_ROUNDS = 8, JO_ROUNDS_EACH = 4 };   /* largest number of rounds of release(): constant part, and part per friction */
 
+#define JO_STOPS_TOO 1e-8   /* slip speed / size of the mechanism, 1/s, up to which other points stop with one that stops */
+
 static int *lock_of(const jo_model *m, jo_data *d, const jo_friction *f) { return &d->locked[m->joint[f->lock].lock]; }
 
 /* friction i starts to slide, in the direction opposite to its holding force */
@@ -16,6 +19,10 @@ void jo_friction_start_sliding(const jo_model *m, jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
     jo_real y[2], *e = d->direction + 2 * i;
+    if (f->contact >= 0) {
+        jo_friction_let_go(m, d, i);
+        return;
+    }
     jo_friction_sticking_force(m, d, f, y);
     for (int k = 0; k < jo_slips(f); k++) y[k] /= jo_slip_arm(m, f, k);
     const jo_real whole = jo_length2(y[0], y[1]);
@@ -41,6 +48,19 @@ void jo_friction_start_sticking(const jo_model *m, jo_data *d, int i)
     *lock_of(m, d, f) = 1;
     d->slip[i] = 0;
     jo_forces_jumped(d);
+}
+
+/* Points of contacts that slide as slowly as round-off stop together with one that stops: friction of the others along their last slip would
+ * push the body back. */
+static void stop_contacts(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nfriction; i++) {
+        const jo_friction *f = &m->friction[i];
+        jo_real s[2];
+        if (f->contact < 0 || jo_sticks(m, d, f) || jo_friction_apart(m, d, f)) continue;
+        jo_friction_slip(m, d, f, s);
+        if (JO_RE(jo_length2(s[0], s[1])) <= JO_STOPS_TOO * m->size) jo_friction_start_sticking(m, d, i);
+    }
 }
 
 /* velocities that satisfy the lock rows; the loss of kinetic energy is work of friction */
@@ -76,6 +96,7 @@ double jo_friction_overload(const jo_model *m, const jo_data *d, int i)
     if (!jo_sticks(m, d, &m->friction[i])) return 0.0;
     const double margin = JO_RE(jo_friction_margin(m, d, i));
     if (!(margin < 0.0)) return 0.0;
+    if (m->friction[i].contact >= 0) return -margin;   /* relative, see jo_friction_margin */
     jo_friction_sticking_force(m, d, &m->friction[i], y);
     return -margin / (fabs(JO_RE(y[0])) + fabs(JO_RE(y[1])));
 }
@@ -110,7 +131,7 @@ static int release(const jo_model *m, jo_data *d)
 int jo_friction_switch(const jo_model *m, jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
-    if (!f->law) return JO_OK;
+    if (!f->law || jo_friction_apart(m, d, f)) return JO_OK;
     int status;
     if (jo_sticks(m, d, f)) {
         jo_friction_start_sliding(m, d, i);
@@ -125,6 +146,7 @@ int jo_friction_switch(const jo_model *m, jo_data *d, int i)
             return jo_accelerations(m, d);
         }
         jo_friction_start_sticking(m, d, i);
+        if (f->contact >= 0) stop_contacts(m, d);
         status = stop_sliding(m, d);
     }
     return status == JO_OK ? release(m, d) : status;
@@ -135,13 +157,13 @@ int jo_friction_initialise_states(const jo_model *m, jo_data *d)
 {
     int undecided = 0, resting = 0, status = JO_OK;
     for (int i = 0; i < m->nfriction; i++)
-        undecided += m->friction[i].law && !d->slip[i] && !jo_sticks(m, d, &m->friction[i]);
+        undecided += m->friction[i].law && !d->slip[i] && !jo_sticks(m, d, &m->friction[i]) && !jo_friction_apart(m, d, &m->friction[i]);
     if (!undecided) return JO_OK;
     status = jo_accelerations(m, d);
     for (int i = 0; i < m->nfriction && status == JO_OK; i++) {
         const jo_friction *f = &m->friction[i];
         jo_real e[2];
-        if (!f->law || d->slip[i] || jo_sticks(m, d, f)) continue;
+        if (!f->law || d->slip[i] || jo_sticks(m, d, f) || jo_friction_apart(m, d, f)) continue;
         jo_friction_direction(m, d, i, e);
         if (e[0] == 0.0 && e[1] == 0.0) {
             jo_friction_start_sticking(m, d, i);
@@ -153,4 +175,21 @@ int jo_friction_initialise_states(const jo_model *m, jo_data *d)
     }
     if (status == JO_OK) status = resting ? stop_sliding(m, d) : jo_accelerations(m, d);
     return status == JO_OK ? release(m, d) : status;
+}
+
+/* States after the touches of a step: a contact that has opened has none, and of one that has begun it is found. */
+int jo_friction_follow_contacts(const jo_model *m, jo_data *d)
+{
+    int opened = 0;
+    for (int i = 0; i < m->nfriction; i++) {
+        const jo_friction *f = &m->friction[i];
+        if (!jo_friction_apart(m, d, f) || !(d->slip[i] || jo_sticks(m, d, f))) continue;
+        *lock_of(m, d, f) = d->slip[i] = 0;
+        opened = 1;
+    }
+    if (opened) {
+        jo_state_changed(d);
+        jo_forces_jumped(d);
+    }
+    return jo_friction_initialise_states(m, d);
 }

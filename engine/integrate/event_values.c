@@ -104,6 +104,12 @@ int jo_accept_yielding_states(const jo_model *m, jo_data *d, double *g)
     }
     /* generalised alpha continues from these states */
     for (int i = 0; i < m->nstate; i++) d->alpha.end_v[m->nv + i] = jo_states(m, d)[i];
+    if (m->nlock) {
+        status = jo_friction_follow_contacts(m, d);
+        if (status != JO_OK) return status;
+        for (int i = 0; i < m->nfriction; i++)
+            if (m->friction[i].contact >= 0) g[m->nevent + i] = JO_RE(jo_friction_margin(m, d, i));
+    }
     return yielding_margins(m, d, g + jo_first_yielding(m));
 }
 

@@ -91,6 +91,14 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
     (void)m; (void)d; (void)stage;
     return 0;
 }
+void jo_friction_share(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+void jo_friction_push_contacts(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
 void jo_friction_apply_force(const jo_model *m, jo_data *d, int i)
 {
     (void)m; (void)d; (void)i;

@@ -47,6 +47,7 @@ void jo_coordinate_value(const jo_model *m, jo_data *d, int i)
         break;
     case JO_COORDINATE_RIM:
     case JO_COORDINATE_ROLLED:
+    case JO_COORDINATE_SLIP:
     case JO_COORDINATE_ACROSS: jo_rolling_value(c, a, b, w); break;
     case JO_COORDINATE_RAIL_GAP:
     case JO_COORDINATE_RAIL_ROLLED:
@@ -79,7 +80,7 @@ void jo_gradient_change(const jo_coordinate *c, const jo_marker_work *a, const j
                         const jo_real *pb, jo_real *along, jo_real *turn_a, jo_real *turn_b)
 {
     if (c->type == JO_COORDINATE_ROPE) jo_rope_change(c, a, b, dr, pa, pb, along, turn_a, turn_b);
-    else if (c->type < JO_COORDINATE_RAIL_GAP) jo_rolling_change(c, a, b, dr, pa, pb, along, turn_a, turn_b);
+    else if (c->type < JO_COORDINATE_RAIL_GAP || c->type == JO_COORDINATE_SLIP) jo_rolling_change(c, a, b, dr, pa, pb, along, turn_a, turn_b);
     else jo_rail_change(c, a, b, dr, pa, pb, along, turn_a, turn_b);
 }
 
@@ -132,7 +133,7 @@ void jo_coordinate_rate(const jo_model *m, jo_data *d, int i)
     case JO_COORDINATE_RAIL_GAP:
     case JO_COORDINATE_RAIL_ROLLED:
     case JO_COORDINATE_RAIL_ACROSS:
-    case JO_COORDINATE_ROPE: {   /* change of the gradient with the motion */
+    case JO_COORDINATE_SLIP: case JO_COORDINATE_ROPE: {   /* change of the gradient with the motion */
         jo_real along[3], turn_a[3], turn_b[3];
         jo_gradient_change(c, a, b, v, oma, omb, along, turn_a, turn_b);
         w->bias = jo_dot3(along, v) + jo_dot3(turn_a, oma) + jo_dot3(turn_b, omb);

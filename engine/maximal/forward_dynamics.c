@@ -37,6 +37,7 @@ static int update_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
     if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
     if (jo_in_hybrid(d)) return jo_hybrid_condense(m, d, stage);
     const int status = m->nforce ? jo_apply_forces(m, d, stage) : JO_OK;
+    if (m->nfriction && !stage->smooth) jo_friction_push_contacts(m, d);
     if (status != JO_OK || !m->nbeam) return status;
     return jo_beam_forces(m, d, stage->second ? jo_coupled_base(d) : 0);
 }
@@ -68,6 +69,7 @@ static int factor_masses(const jo_model *m, jo_data *d, const jo_stage *stage)
 static int solve_multipliers(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     int status;
+    if (m->nfriction && m->redundant > 0) jo_friction_share(m, d);
     if (jo_couples(m, stage)) {
         status = jo_coupled_accelerations(m, d, stage);
     } else {

@@ -4,7 +4,8 @@
  *   RIM:    k . r - R s, height of the lowest point above the plane
  *   ROLLED: velocity of that point of the disc on the plane, along t = n x k / s, in which a disc rolls
  *   ACROSS: the same along u = (n - c k) / s, across it
- * The last two are no functions of the position (nonholonomic): their value is 0, their rate the velocity. Géradin, Cardona, Flexible
+ *   SLIP:   velocity of the point r_b - R k of a sphere of radius R about b on the plane, along an axis t of a; no axle
+ * The last three are no functions of the position (nonholonomic): their value is 0, their rate the velocity. Géradin, Cardona, Flexible
  * Multibody Dynamics, 2001, section 8. */
 #include "maximal/maximal.h"
 
@@ -49,9 +50,60 @@ static void directions(const disc *x, int across, jo_real *e, jo_real *d)
     }
 }
 
+/* w: gradients of the velocity along w->along of the point of b at e from its origin */
+static void point_gradients(const jo_real *r, const jo_real *e, jo_coordinate_work *w)
+{
+    jo_real p[3];
+    w->value = jo_same(0.0);
+    jo_cross(w->turn_b, e, w->along);
+    jo_set3(p, r);
+    jo_add3(p, e);
+    jo_cross(w->turn_a, w->along, p);
+}
+
+/* SLIP: value and gradient */
+static void slip_value(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, jo_coordinate_work *w)
+{
+    jo_real e[3], r[3];
+    jo_axis(e, a->A, 2);
+    scaled(e, jo_same(-q->radius), e);
+    jo_axis(w->along, a->A, q->axis_a);
+    jo_set3(r, b->r);
+    jo_sub3(r, a->r);
+    point_gradients(r, e, w);
+}
+
+/* SLIP: change of the gradient; along and e turn with a */
+static void slip_change(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, const jo_real *dr, const jo_real *pa,
+                        jo_real *along, jo_real *turn_a, jo_real *turn_b)
+{
+    jo_real e[3], t[3], p[3], de[3], dp[3], y[3];
+    jo_axis(e, a->A, 2);
+    scaled(e, jo_same(-q->radius), e);
+    jo_axis(t, a->A, q->axis_a);
+    jo_cross(de, pa, e);
+    jo_cross(along, pa, t);
+    /* (e x t)' and (t x (r + e))' */
+    jo_cross(turn_b, de, t);
+    jo_cross(y, e, along);
+    jo_add3(turn_b, y);
+    jo_set3(p, b->r);
+    jo_sub3(p, a->r);
+    jo_add3(p, e);
+    jo_set3(dp, dr);
+    jo_add3(dp, de);
+    jo_cross(turn_a, along, p);
+    jo_cross(y, t, dp);
+    jo_add3(turn_a, y);
+}
+
 /* value and gradient along, turn_a, turn_b */
 void jo_rolling_value(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, jo_coordinate_work *w)
 {
+    if (q->type == JO_COORDINATE_SLIP) {
+        slip_value(q, a, b, w);
+        return;
+    }
     const disc x = disc_of(a, b);
     const double R = q->radius;
     if (q->type == JO_COORDINATE_RIM) {
@@ -64,20 +116,20 @@ void jo_rolling_value(const jo_coordinate *q, const jo_marker_work *a, const jo_
         scaled(w->turn_b, -R * x.c / x.s, kn);
         return;
     }
-    jo_real e[3], p[3];
+    jo_real e[3];
     directions(&x, q->type == JO_COORDINATE_ACROSS, e, w->along);
-    w->value = jo_same(0.0);
     scaled(e, jo_same(R), e);
-    jo_cross(w->turn_b, e, w->along);
-    jo_set3(p, x.r);
-    jo_add3(p, e);
-    jo_cross(w->turn_a, w->along, p);
+    point_gradients(x.r, e, w);
 }
 
 /* change of the gradient by dr, pa, pb = changes of r_b - r_a and rotations of a and b */
 void jo_rolling_change(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, const jo_real *dr, const jo_real *pa,
                        const jo_real *pb, jo_real *along, jo_real *turn_a, jo_real *turn_b)
 {
+    if (q->type == JO_COORDINATE_SLIP) {
+        slip_change(q, a, b, dr, pa, along, turn_a, turn_b);
+        return;
+    }
     const disc x = disc_of(a, b);
     const double R = q->radius;
     jo_real dk[3], dn[3], t[3], u[3];

@@ -4,6 +4,7 @@
  */
 #include "valid.h"
 #include "maximal/maximal.h"
+#include "friction/friction.h"
 
 /* share of the diagonal of S that is added to S if rows are redundant; about the root of round-off */
 #define JO_SCHUR_REGULARISATION 1e-8
@@ -379,7 +380,7 @@ static void regularise(const jo_model *m, jo_data *d)
         const double share = slenderness(m, d, joint);
         for (int r = 0; r < joint->nrow; r++) {
             d->schur.columns[c].scale[r] *= share;
-            d->schur.S[JO_BLOCK * c + step * r] += JO_SCHUR_REGULARISATION * d->schur.columns[c].scale[r];
+            d->schur.S[JO_BLOCK * c + step * r] += JO_SCHUR_REGULARISATION * jo_friction_softness(m, d, m->column[c].joint, d->schur.columns[c].scale[r]);
         }
     }
 }

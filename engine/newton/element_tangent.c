@@ -138,6 +138,7 @@ static inline void gradient_change(const jo_data *d, const jo_coordinate *k, con
     case JO_COORDINATE_RAIL_GAP:
     case JO_COORDINATE_RAIL_ROLLED:
     case JO_COORDINATE_RAIL_ACROSS:
+    case JO_COORDINATE_SLIP:
     case JO_COORDINATE_ROPE: jo_gradient_change(k, a, b, dr, pa, pb, c->along, c->turn_a, c->turn_b); break;
     default: angle_change(a, b, pa, pb, c);
     }

@@ -6,6 +6,7 @@
  */
 #include "valid.h"
 #include "newton/newton.h"
+#include "friction/friction.h"
 
 #define JO_SCHUR_REGULARISATION 1e-8    /* share of the scale of a joint row that is subtracted from its diagonal if rows are redundant */
 /* pivot relative to (unit of its row x unit of its column) below which the row depends on other rows */
@@ -263,7 +264,7 @@ static void regularise(const jo_model *m, jo_data *d)
         const jo_block D = jo_newton_find(m, d, m->nbody + i, m->nbody + i);
         jo_real *soft = d->newton.soft + m->joint[i].row;
         for (int r = 0; r < m->joint[i].nrow; r++) {
-            soft[r] = JO_SCHUR_REGULARISATION * row_size(m, d, i, r);
+            soft[r] = JO_SCHUR_REGULARISATION * JO_RE(jo_friction_softness(m, d, i, jo_same(row_size(m, d, i, r))));
             D.at[r * (D.stride + 1)] -= soft[r];
         }
     }

@@ -10,13 +10,16 @@ import pytest
 
 import jousto as jo
 from exported import CC, STEP, expected, rows_of
+from jousto.export.program import program
 from jousto.mechanism import (
     Contact,
     HalfSpace,
     Impedance,
     JohnsonLine,
+    PowerLaw,
     Regularised,
     Sphere,
+    StickSlip,
     TableLaw,
 )
 
@@ -65,3 +68,24 @@ def test_a_program_has_the_laws(tmp_path: Path) -> None:
     want = expected(model, jo.simulate(model, 0.4, solver=solver, output_step=0.04))
     assert np.abs(found - want).max() < 1e-9
     assert np.ptp(want[:, 3]) > 5.0  # the spin has slowed down
+
+
+def test_points_held_by_rows_in_a_program(tmp_path: Path) -> None:
+    """A ball is thrown, slips and rolls: the program has the rows and both coefficients."""
+    ball = jo.RigidBody.sphere(
+        "ball", radius=0.1, mass=1.0, position=(0, 0, 0.1 - 1e-7), velocity=(1, 0, 0)
+    )
+    touch = Contact(
+        "touch", jo.ground["origin"], HalfSpace(), ball["origin"], Sphere(0.1), PowerLaw(1e8),
+        mu_kinetic=0.2, mu_static=0.3, friction=StickSlip(),
+    )  # fmt: skip
+    v = jo.VelocitySensor("v", ball["origin"])
+    model = jo.compile(jo.Mechanism(ball, touch, jo.Gravity((0, 0, -9.81)), v))
+    solver = jo.ROS2(1e-3)
+    names = {port.name for port in program(model, solver, name="plant").ports.parameters}
+    assert {"touch.slip.mu_kinetic", "touch.slip.mu_static"} <= names
+    assert not {"touch.mu_kinetic", "touch.mu_static", "touch.slip.mass"} & names
+    rows = rows_of(model, solver, tmp_path, "0.3", "10")
+    run = jo.simulate(model, 0.3, solver=solver, output_step=0.03)
+    np.testing.assert_allclose(rows, expected(model, run), rtol=0, atol=1e-12)
+    assert run["v"][-1, 0] == pytest.approx(5 / 7, abs=1e-9)

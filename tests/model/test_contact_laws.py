@@ -276,7 +276,7 @@ def test_what_is_refused():
     body = jo.RigidBody("b", 1.0, (1,) * 3, position=(0, 0, 1))
     ground = jo.ground["origin"]
     ball = (ground, HalfSpace(), body["origin"], Sphere(0.1))
-    with pytest.raises(jo.InputError, match="must be Regularised.*a bristle"):
+    with pytest.raises(jo.InputError, match="mu_kinetic is 0; give mu_kinetic"):
         Contact("c", *ball, PowerLaw(1e6), friction=StickSlip())  # type: ignore[arg-type]
     with pytest.raises(jo.InputError, match="with a restitution, not TableLaw"):
         Contact("c", *ball, TableLaw(D, F), resolve="impulse")

@@ -175,11 +175,14 @@ def _parameters(model: Model, found: Constants) -> Iterator[tuple[str, str, str,
     for k, axis in enumerate(XYZ):
         at = found.places["gravity", 0] + k
         yield f"gravity.{axis}", "m/s2", f"gravity along world {axis}", at, value[at]
+    sticking = {friction.contact for friction in model.frictions}
     for i, force in enumerate(model.forces):
         if ("force", i) not in found.places:
             continue
         start = found.places["force", i]
         for name, unit, about, at in _force_numbers(model, force):
+            if i in sticking and name.startswith("mu_"):  # those of its frictions
+                continue
             yield f"{force.name}.{name}", unit, about, start + at, value[start + at]
         yield from _law(model, found, force.name, force.signal)
         if force.reference != force.signal:
@@ -187,6 +190,8 @@ def _parameters(model: Model, found: Constants) -> Iterator[tuple[str, str, str,
     for i, friction in enumerate(model.frictions):
         start = found.places["friction", i]
         for name, place in places("jo_friction_data").items():
+            if name == "mass" or (friction.contact >= 0 and not name.startswith("mu_")):
+                continue
             where = start + place.start
             unit = FRICTION.get(name, "m")
             yield f"{friction.name}.{name}", unit, "friction", where, value[where]

@@ -18,6 +18,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.beams.discretisation import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.checks import coordinates_of, used_joints
+from jousto.mechanism.forces.contact import Contact
 from jousto.mechanism.initial import Initial
 from jousto.mechanism.joints.base import align_frames
 from jousto.mechanism.mechanism import Mechanism
@@ -135,6 +136,9 @@ def pack(mechanism: Mechanism) -> tuple[Model, Builder]:
     places = {id(x): i for i, x in enumerate((*mechanism.joints, *mechanism.couplings))}
     for friction in mechanism.frictions:  # these rows follow all permanent rows
         builder.friction(friction, places[id(friction.joint)])
+    for contact in mechanism.forces:
+        if isinstance(contact, Contact) and contact.sticks:
+            builder.sticking(contact)
     active = len(builder.markers)
     sensors = sensor_models(mechanism, builder, index, watched)
     builder.events += event_models(mechanism, gauges, sensors)
@@ -155,6 +159,7 @@ def pack(mechanism: Mechanism) -> tuple[Model, Builder]:
         size=mechanism.size,
         coordinates=tuple(builder.coordinates),
         frictions=tuple(builder.frictions),
+        redundant=sum(friction.contact >= 0 for friction in builder.frictions) > 1,
         switched=tuple(builder.switched),
         events=tuple(builder.events),
         meters=meter_models(mechanism, sensors),

@@ -121,6 +121,8 @@ def _body_of(model: Model, marker: int) -> str:
 def points_of(engine: Engine, *, near: bool = False) -> list[ContactPoint]:
     """Return the points at which bodies touch in the state of an engine."""
     model, time = engine.model, float(engine.time[0].real)
+    if any(friction.contact >= 0 for friction in model.frictions):
+        engine.accelerations()  # forces of rows that hold points
     rows = named("jo_touch", engine.contacts())
     sources = contact_sources(model)
     single = {force: (name, tip, a, b) for force, name, tip, a, b, *_ in sources["contacts"]}

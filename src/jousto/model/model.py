@@ -335,7 +335,8 @@ class ForceModel:
 class FrictionModel:
     """Friction of a joint along one or two coordinates; data as in jousto.h.
 
-    `lock` is the optional joint that is active while they stick, -1 with the regularised law.
+    `lock` is the optional joint that is active while they stick, -1 with the regularised law;
+    `contact` the force whose normal force it has, and `joint` is then the lock; -1: of a joint.
     """
 
     name: str
@@ -345,6 +346,7 @@ class FrictionModel:
     lock: int
     data: Array
     other: int = -1
+    contact: int = -1
 
 
 @described

@@ -241,6 +241,9 @@ class _Tree:
                 raise _Unfit(f"body '{body.name}' is flexible")
         if not m.bodies:
             raise _Unfit("it has no bodies")
+        for friction in m.frictions:
+            if friction.contact >= 0:
+                raise _Unfit(f"rows of '{friction.name}' hold points that touch")
         for joint in m.joints:
             if joint.release >= 0:
                 event = m.events[joint.release].name

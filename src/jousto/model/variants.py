@@ -263,6 +263,10 @@ class Variants:
 
     def _push(self, a: ForceElement, b: ForceElement, change: Callable[..., None]) -> None:
         """Pack the laws of a force with other numbers."""
+        if getattr(a, "sticks", False) or getattr(
+            b, "sticks", False
+        ):  # rows and friction beside it
+            raise _Structure
         place = self._builder.force_places[id(a)]
         old, new = a.pushes, b.pushes
         if len(old) != len(new):

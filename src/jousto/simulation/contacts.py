@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.errors import InputError, Problem
 from jousto.mechanism.forces.contact import RESOLVE
 from jousto.model.model import ForceModel, Model
 from jousto.model.native.header import named, places
@@ -42,6 +43,27 @@ def slides_freely(force: ForceModel) -> bool:
     x = named(f"jo_{force.kind.replace(' ', '_')}_data", np.real(force.data))
     turns = float(getattr(x, "rolling", 0.0)) + float(getattr(x, "drilling", 0.0)) > 0.0
     return not turns and not (float(x.mu_static) and float(x.shear))
+
+
+def without_sticking(model: Model, where: str) -> None:
+    """Raise an error if rows hold the points of a contact that stick.
+
+    Raises
+    ------
+    InputError
+        With each such contact.
+    """
+    names = [model.forces[one.contact].name for one in model.frictions if one.contact >= 0]
+    problems = [
+        Problem(
+            f"contact '{name}'",
+            f"has friction=StickSlip(), whose rows {where} does not have; leave out friction for "
+            "the bristle, whose stiffness it has",
+        )
+        for name in dict.fromkeys(names)
+    ]
+    if problems:
+        raise InputError(problems)
 
 
 def contact_states(model: Model, begin: str) -> NDArray[np.intp]:

@@ -25,6 +25,12 @@ def mobility(marker: Marker, reach: float) -> float:
     return float(1.0 / mass + lever**2 / smallest + shapes)
 
 
+def lightest(a: Marker, b: Marker) -> float:
+    """Return the mass of two bodies in series against a push without turning, kg."""
+    found = (_mass_properties(marker) for marker in (a, b))
+    return 1.0 / sum(1.0 / one[0] for one in found if one is not None)
+
+
 def angular_mobility(marker: Marker) -> float:
     """Return the largest inverse moment of inertia of the body of a marker there, 1/(kg m^2)."""
     found = _mass_properties(marker)

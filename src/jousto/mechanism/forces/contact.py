@@ -11,14 +11,16 @@ from jousto.base.fields import Choice, field
 from jousto.base.numbers import DefaultNumber, Number
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.contacts.collision import DRILLING, ROLLING
-from jousto.mechanism.contacts.effective_mass import angular_mobility, mobility
+from jousto.mechanism.contacts.effective_mass import angular_mobility, lightest, mobility
 from jousto.mechanism.contacts.friction import default_static
 from jousto.mechanism.contacts.laws import NUMBERS, TABLE, ContactLawField, Hertz, rest_damping
 from jousto.mechanism.contacts.pairing import POINTS, check_pair, most_points, paired
 from jousto.mechanism.contacts.shapes import Shape, ShapeField, Tip, touching
+from jousto.mechanism.contacts.sticking import check_sticking, tip_slips
 from jousto.mechanism.forces.base import ForceElement, Push
-from jousto.mechanism.forces.friction import SMOOTH, SmoothField
+from jousto.mechanism.forces.friction import CONTACT_FRICTION, ContactFriction, StickSlip
 from jousto.mechanism.forces.law import EngineLaw
+from jousto.mechanism.joints.coordinate import Coordinate
 
 STATES = {
     "phase": "1",
@@ -171,7 +173,7 @@ class Contact(ForceElement, tag="contact"):
         kw_only=True,
     )
 
-    friction: SmoothField = field(SMOOTH, default=None, kw_only=True)
+    friction: ContactFriction = field(CONTACT_FRICTION, default=None, kw_only=True)
     rolling: Number = field(ROLLING, unit="m", least=0, default=0.0, kw_only=True)
     drilling: Number = field(DRILLING, unit="m", least=0, default=0.0, kw_only=True)
     resolve: Choice = field(RESOLVES, words=RESOLVE, default="cut", kw_only=True)
@@ -198,7 +200,7 @@ class Contact(ForceElement, tag="contact"):
                 "shape_b",
             )
         elif self._tips is None:
-            check_pair(problems, where, self._sides[1], self._sides[3])
+            check_pair(problems, where, self.sides[1], self.sides[3])
         curvature = self._curvature
         if isinstance(self.law, Hertz) and (curvature is None or curvature <= 0.0):
             problems.add(
@@ -217,10 +219,30 @@ class Contact(ForceElement, tag="contact"):
         if self.resolve == "impulse":
             check_restitution(problems, where, self.law)
         self._check_turn(problems, where)
+        if self.sticks:
+            check_sticking(problems, where, self, self.sides, self._tips)
         if self.mu_static < self.mu_kinetic:
             problems.add(
                 where, f"mu_static {self.mu_static:g} is below mu_kinetic {self.mu_kinetic:g}"
             )
+
+    @property
+    def sticks(self) -> bool:
+        """Whether rows hold the points that stick."""
+        return isinstance(self.friction, StickSlip)
+
+    @property
+    def slips(self) -> tuple[tuple[Coordinate, Coordinate], ...]:
+        """Two coordinates of each tip that rows may hold, whose rates are its slip velocity."""
+        if not self.sticks:
+            return ()
+        a, _, b, _ = self.sides
+        return tuple(tip_slips(self.name, a, b, tip) for tip in self._tips)
+
+    @property
+    def mass_in_play(self) -> float:
+        """Mass of both bodies in series against a push without turning, kg."""
+        return lightest(self.a, self.b)
 
     @property
     def _turns(self) -> bool:
@@ -261,14 +283,14 @@ class Contact(ForceElement, tag="contact"):
         return paired(second, first) or touching(second, first) is not None
 
     @property
-    def _sides(self) -> tuple[Marker, Shape, Marker, Shape]:
+    def sides(self) -> tuple[Marker, Shape, Marker, Shape]:
         """Marker and shape that is touched, marker and shape of the tips."""
         first, second = (self.a, self.shape_a), (self.b, self.shape_b)
         return (*second, *first) if self._swapped else (*first, *second)
 
     @property
     def _tips(self) -> Any:
-        _, on, _, of = self._sides
+        _, on, _, of = self.sides
         return touching(on, of)
 
     @property
@@ -294,12 +316,12 @@ class Contact(ForceElement, tag="contact"):
 
     def _numbers(self, reach: float) -> dict[str, Any]:
         """Numbers of the law for a point of b at a distance `reach` from its marker, m."""
-        a, on, b, _ = self._sides
+        a, on, b, _ = self.sides
         mass = 1.0 / (mobility(a, _reach(on)) + mobility(b, reach))
         return touch_numbers(self, NUMBERS | self.law.numbers(self._curvature), mass)
 
     def _push(self, tip: Tip) -> Push:
-        a, on, b, _ = self._sides
+        a, on, b, _ = self.sides
         data: dict[str, Any] = {
             **tip_numbers(on, tip),
             "rolling": self.rolling,
@@ -326,7 +348,7 @@ class Contact(ForceElement, tag="contact"):
 
     @property
     def _pair(self) -> Push:
-        a, on, b, of = self._sides
+        a, on, b, of = self.sides
         assert of.polytope is not None
         return Push(
             "contact pair",
@@ -360,13 +382,14 @@ def touch_numbers(force: Any, law: Mapping[str, float], mass: float) -> dict[str
         Smallest mass in play, kg.
     """
     strikes = force.resolve == "impulse"
+    sticks = isinstance(force.friction, StickSlip)  # its friction is elsewhere
     return {
         **law,
         "damping": rest_damping(force.law, law) if strikes else law["damping"],
-        "mu_static": force.mu_static,
-        "mu_kinetic": force.mu_kinetic,
+        "mu_static": 0.0 if sticks else force.mu_static,
+        "mu_kinetic": 0.0 if sticks else force.mu_kinetic,
         "shear": force.shear if force.mu_static and force.friction is None else 0.0,
-        "velocity": 0.0 if force.friction is None else force.friction.velocity,
+        "velocity": getattr(force.friction, "velocity", 0.0),
         "resolve": RESOLVE.index(force.resolve),
         "restitution": getattr(force.law, "restitution", 0.0),
         "mass": mass,

@@ -93,6 +93,31 @@ class SmoothField(Nested["Regularised | None", "Regularised | None"]):
         return value
 
 
+CONTACT_FRICTION = (
+    "Regularised(...) for friction as a smooth function of the slip velocity, StickSlip() for a "
+    "point at rest that is held by rows; None: a bristle"
+)
+
+
+class ContactFriction(Nested["Law | None", "Law | None"]):
+    """Field of the law of friction of a contact; None for a bristle."""
+
+    section = "laws"
+    room = "jousto.mechanism.forces"
+    noun = "Regularised or StickSlip"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the law, or report a value of another type."""
+        if value is not None and not isinstance(value, Law):
+            problems.add(
+                where,
+                f"friction is {value!r}, must be Regularised(velocity), StickSlip(), or None for a "
+                "bristle",
+                "friction",
+            )
+        return value
+
+
 class RubbingJoint(Reference[Revolute | Prismatic | Cylindrical | DiscOnPlane, Any]):
     """Field of a joint that may have friction; a model file contains its name."""
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from jousto.base.complexstep import scalar
 from jousto.base.errors import Problems
-from jousto.base.fields import field
+from jousto.base.fields import Choice, field
 from jousto.base.numbers import Number
 from jousto.base.rotations import Direction, turn_onto
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.joints.base import Joint, aligned
-from jousto.mechanism.joints.coordinate import Coordinate, Line
+from jousto.mechanism.joints.coordinate import AXES, Coordinate, Line
 from jousto.mechanism.joints.switched import UNLIMITED, SwitchedRow
 
 FLAT = 1e-6
@@ -93,6 +93,26 @@ class Across(Rolled):
     """The same along the axle, ``n - (k . n) k``."""
 
     engine: ClassVar[str] = "across"
+
+
+class PointSlip(DiscCoordinate):
+    """Velocity of the lowest point of a sphere about b on the plane of a, along an axis of a.
+
+    The plane is normal to the z axis of a. It is the rate of no function of the position.
+    """
+
+    engine: ClassVar[str] = "slip"
+    axis: Choice = field("Axis of frame a", words=AXES[:2], default="x")
+
+    @property
+    def column(self) -> int:
+        """Number of the axis: 0 or 1."""
+        return AXES.index(self.axis)
+
+    @property
+    def initial(self) -> float:
+        """0."""
+        return 0.0
 
 
 class OnPlane(Joint):

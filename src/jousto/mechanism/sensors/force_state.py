@@ -69,6 +69,14 @@ class ForceStateSensor(Sensor, tag="force-state"):
                 "state",
                 named=False,
             )
+        elif getattr(self.force, "sticks", False) and self.state not in ("approach", "since"):
+            problems.add(
+                where,
+                f"the friction of {self.force.name!r} is StickSlip(), which is no state of the "
+                "contact; read it from run.contacts.at(time)",
+                "state",
+                named=False,
+            )
 
     @property
     def _push(self) -> Any:

@@ -167,7 +167,14 @@ class ForceSensor(Sensor, tag="force"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Report axes that are given for a force along coordinates."""
+        """Report axes that are given for a force along coordinates, and friction by rows."""
+        if getattr(self.force, "sticks", False):
+            problems.add(
+                where,
+                f"the friction of {self.force.name!r} is StickSlip(), whose force is that of rows; "
+                "read it from run.contacts.at(time), or leave out friction of the contact",
+                "force",
+            )
         if self.resolved_in is not None and along(self.force):
             problems.add(
                 where,

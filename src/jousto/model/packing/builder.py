@@ -15,6 +15,7 @@ from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.event import Event
 from jousto.mechanism.forces.base import ForceElement, Packed, Push
+from jousto.mechanism.forces.contact import Contact
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate, Line
@@ -39,6 +40,10 @@ from jousto.model.packing.systems import systems_of
 
 RIGID = 6
 """Number of rows of a joint that lets nothing move."""
+
+
+HELD_POINTS = 32
+"""Most points of a body that rows may hold (``JO_POINTS``)."""
 
 
 class Builder:
@@ -69,6 +74,7 @@ class Builder:
         self.force_places: dict[int, int] = {}
         self._places: dict[Any, int] = {}
         self._registers: dict[int, tuple[int, int]] = {}
+        self._held: dict[int, int] = {}  # points of each body that rows may hold
 
     def marker(self, marker: Marker, turns: bool, *, shared: bool = True) -> int:
         """Return the index of a frame; `turns`: its rotation is needed at every evaluation.
@@ -173,6 +179,43 @@ class Builder:
             )
         )
         return len(self.frictions) - 1
+
+    def sticking(self, contact: Contact) -> None:
+        """Add the rows and the friction of each tip of a contact; call it after all frictions."""
+        place = self.force_places[id(contact)]
+        _, _, b, _ = contact.sides
+        body = b.body if id(b.body) in self._bodies else contact.sides[0].body
+        self._held[id(body)] = self._held.get(id(body), 0) + len(contact.slips)
+        if self._held[id(body)] > HELD_POINTS:
+            raise InputError(
+                Problem(
+                    f"contact '{contact.name}'",
+                    f"is one of more than {HELD_POINTS} points of {body.name!r} with StickSlip(); "
+                    "leave out friction of some for the bristle",
+                )
+            )
+        for i, slips in enumerate(contact.slips):
+            places = [self.declared(s) for s in slips]
+            first = self.coordinates[places[0]]
+            lines = tuple(LineModel((s,), (1.0,)) for s in places)
+            count = sum(other.lock >= 0 for other in self.joints)
+            name = f"{contact.name}.slip" + (f" {i + 1}" if i else "")
+            lock = self._rows(name, (first.a, first.b), False, (), lines, lock=count)
+            numbers = packed(
+                "jo_friction_data",
+                mu_kinetic=contact.mu_kinetic,
+                mu_static=contact.mu_static,
+                velocity=1.0,
+                plane=1.0,
+                mass=contact.mass_in_play,
+            )
+            self.frictions.append(
+                FrictionModel(
+                    *(name, lock, places[0], True, lock, numbers),
+                    other=places[1],
+                    contact=place + i,
+                )
+            )
 
     def _rows(
         self,

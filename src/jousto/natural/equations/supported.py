@@ -7,6 +7,7 @@ from typing import Any
 from jousto.base.errors import Problems
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.checks import where
+from jousto.mechanism.forces.contact import Contact
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Angle, Displacement, Distance
 from jousto.mechanism.joints.coupling import Coupler
@@ -52,6 +53,11 @@ def check_known(mechanism: Mechanism, *, sensors: bool = True) -> None:
         if friction.law.sticks:
             problems.add(
                 where(friction), "the moving frame does not support StickSlip(); use Regularised()"
+            )
+    for force in mechanism.forces:
+        if isinstance(force, Contact) and force.sticks:
+            problems.add(
+                where(force), "the moving frame does not support StickSlip(); use Regularised()"
             )
     for event in mechanism.events:
         if event.stop:

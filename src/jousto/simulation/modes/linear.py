@@ -16,7 +16,12 @@ from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
-from jousto.simulation.contacts import STRETCH, bristle_rates, contact_states
+from jousto.simulation.contacts import (
+    STRETCH,
+    bristle_rates,
+    contact_states,
+    without_sticking,
+)
 from jousto.simulation.controllers import (
     controllers,
     hold_controllers,
@@ -201,6 +206,7 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     """
     without_fmus(model, "linearise", "has no derivatives here")
     without_delays(model, "linearise")
+    without_sticking(model, "linearise")
     q, v, time = (model.q0, model.v0, 0.0) if state is None else (state.q, state.v, state.time)
     nv, T = model.nv, body_frame_increments(model, q)
     engine, steps = Engine(model), Engine(model, complex_scalars=True)
@@ -327,6 +333,7 @@ def at_rest(model: Model, state: State) -> Rest:
     """
     without_fmus(model, "modes", "has no derivatives here")
     without_delays(model, "modes")
+    without_sticking(model, "modes")
     still, T = replace(state, v=np.zeros(model.nv)), body_frame_increments(model, state.q)
     engine, twin = Engine(model), Engine(model, complex_scalars=True)
     for one in (engine, twin):
@@ -495,6 +502,7 @@ def modes(
         problems = Problems()
         problems.number("modes", "count", count, "", "1 or more", lambda x: x >= 1)
         problems.raise_if_any()
+    without_sticking(model, "modes")
     loaded = where_noticed(model, state, f"modes of {model.name!r}")
     state = State(model.q0, model.v0, np.zeros(model.nrow)) if state is None else state
     if not damped or model.nv + model.nrow > MANY:

@@ -10,7 +10,7 @@ from jousto.base.errors import InputError, Problem, SimulationError
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.scales import largest_speed
-from jousto.simulation.contacts import SINCE, contact_states
+from jousto.simulation.contacts import SINCE, contact_states, without_sticking
 from jousto.simulation.state import State, put
 
 STEPS = 400  # largest number of steps
@@ -42,6 +42,8 @@ def rest_on_contacts(model: Model, state: State | None) -> State:
         If the mechanism does not come to rest.
     """
     for friction in model.frictions:
+        if friction.contact >= 0:
+            without_sticking(model, "equilibrium")
         if friction.sticks:
             where = f"friction '{friction.name}'"
             text = "sticks beside contacts, so that it would hold the start; give it "
