@@ -73,7 +73,8 @@ class Plan:
         names = list(self.tree.velocities)
         self.legs = [[names.index(f"{n}_{side}.angle") for n in LEG] for side in SIDES]
         links = self.tree.forward_kinematics(self.tree.initial)
-        bodies = [one for one in jo.robots.mechanism(robot).bodies if one.name in links]
+        every = jo.robots.mechanism(robot).bodies
+        bodies = [x for x in every if isinstance(x, jo.RigidBody) and x.name in links]
         self.links = [(one.name, np.array(one.center)) for one in bodies]
         self.masses = np.array([one.mass for one in bodies])
         self.q = np.array(self.tree.initial)
