@@ -107,10 +107,9 @@ def draw(runs: dict[str, jo.Solution], path: Path) -> None:
         figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
         for color, (label, run) in zip(COLORS, runs.items(), strict=False):
             left.plot(run.time, 1e3 * run["place"][:, 1], color=color, label=label)
-        fastest = list(runs.values())[-1]
-        for color, side in zip(COLORS, ("left", "right"), strict=False):
-            load = fastest[f"{side} flange"][:, 0]
-            right.plot(fastest.time, 1e-3 * load, color=color, label=f"{side} flange")
+        last = list(runs.values())[-1]
+        for color, side in zip(COLORS, ("left flange", "right flange"), strict=False):
+            right.plot(last.time, 1e-3 * last[side][:, 0], color=color, label=side)
         left.hlines([1e3 * PLAY, -1e3 * PLAY], 0.0, 4.0, color="0.6", lw=0.8)
         left.set(xlabel="time (s)", ylabel="across (mm)", title="The wheelset")
         right.set(xlabel="time (s)", ylabel="kN", title="Load of the flanges above it")

@@ -557,6 +557,9 @@ def test_every_sensor_says_what_it_is():
     ground, ball = jo.ground.at((0, 0, -5)), words.Sphere(0.01)
     law = words.Hertz.between(SOFT, SOFT)
     touch = words.Contact("touch", ground, words.HalfSpace(), beam["end"], ball, law)
+    rail = words.RailContact(
+        "rail", jo.ground.at((0, 0, -7)), beam["end"], 0.46, 0.05, axle=(0, 1, 0)
+    )
     floor = words.CollisionShape("floor", jo.ground.at((0, 0, -6)), words.HalfSpace())
     tip = words.CollisionShape("tip", beam["end"], ball)
     given = {
@@ -573,12 +576,13 @@ def test_every_sensor_says_what_it_is():
             key for key, p in inspect.signature(kind).parameters.items()
             if p.default is p.empty and key != "name"
         ]  # fmt: skip
-        sensors.append(kind(name=kind.__name__, **{key: given[key] for key in needed}))
+        of_it = given | ({"contact": rail} if kind is words.RailContactSensor else {})
+        sensors.append(kind(name=kind.__name__, **{key: of_it[key] for key in needed}))
         if kind is jo.StressSensor:
             given["sensor"] = sensors[-1]
     model = jo.compile(
         jo.Mechanism(
-            *(beam, rope, hinge, root, spring, touch, given["contacts"]),
+            *(beam, rope, hinge, root, spring, touch, rail, given["contacts"]),
             jo.Gravity((0, -9.81, 0)),
             *sensors,
         )

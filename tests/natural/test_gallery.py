@@ -43,6 +43,7 @@ def test_no_machine_is_missing() -> None:
         "quadruped",
         "railway_wheel",
         "robot_axis_drive",
+        "wheelset_hunting",
         "crane_twin",
         "flexible_pendulum",
         "link_arm",
