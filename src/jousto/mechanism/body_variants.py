@@ -177,7 +177,8 @@ def attached(value: Any, memo: dict[int, Any]) -> Any:
         memo[id(value)] = found = _marker(value, memo)
         return found
     if isinstance(value, tuple | list):
-        return type(value)(attached(one, memo) for one in value)
+        copies = [attached(one, memo) for one in value]
+        return type(value)(*copies) if hasattr(value, "_fields") else type(value)(copies)
     if isinstance(value, Mapping):
         kind: Any = type(value)
         return kind({key: attached(one, memo) for key, one in value.items()})

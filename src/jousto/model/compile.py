@@ -32,13 +32,12 @@ from jousto.model.model import BodyModel, Model, Shape
 from jousto.model.moved_bodies import warn_moved
 from jousto.model.native.layout import share_layout
 from jousto.model.native.native import Engine, SingularJoints
-from jousto.model.overlaps import refuse_overlaps
+from jousto.model.overlaps import apart_sets, refuse_overlaps
 from jousto.model.packing.bodies import beam_models, beam_shapes, warn_beams, warn_bodies
 from jousto.model.packing.builder import Builder
 from jousto.model.packing.events import event_models, watched_coordinates
 from jousto.model.packing.foreign import fmu_models
 from jousto.model.packing.sensors import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
-from jousto.model.pushed_apart import apart_sets, pushed_apart
 from jousto.model.rank.redundancy import check_closed, is_drive, repeated_rows
 from jousto.model.scales import largest_speed, velocity_metres
 from jousto.model.start_complex_step import with_start
@@ -221,10 +220,13 @@ def finish(
     made = with_start(model, finished, initials) if is_stepping() else finished(model)
     if not is_stepping():
         warn_moved(mechanism, made, placed)
-        values = [initial for initial in initials if initial.value is not None]
-        apart = pushed_apart(mechanism, made, held_lines(values, builder))
-        if apart is not made:
-            made = finished(replace(apart, q0=np.array(apart.q0), v0=given))
+        if apart_sets(mechanism):
+            from jousto.model.pushed_apart import pushed_apart
+
+            values = [initial for initial in initials if initial.value is not None]
+            apart = pushed_apart(mechanism, made, held_lines(values, builder))
+            if apart is not made:
+                made = finished(replace(apart, q0=np.array(apart.q0), v0=given))
         refuse_overlaps(mechanism, made)
     closed = made
     if keep is not None:

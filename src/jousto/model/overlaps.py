@@ -248,3 +248,12 @@ def overlap_facts(mechanism: Mechanism, model: Model) -> list[tuple[str, str]]:
             listed = ", ".join(map(str, mine[:SHOWN])) + (", ..." if len(mine) > SHOWN else "")
             rows.append((f"overlaps of {force.name}", listed or "none"))
     return rows
+
+
+def apart_sets(mechanism: Mechanism) -> set[str]:
+    """Return the names of the sets of contacts that move bodies apart."""
+    return {
+        force.name
+        for force in mechanism.forces
+        if isinstance(force, Contacts) and force.overlap == "apart"
+    }

@@ -19,7 +19,7 @@ from jousto.model.initial_conditions import gear_angles, with_gears
 from jousto.model.model import BodyModel, Model
 from jousto.model.native.header import named
 from jousto.model.native.native import Engine, displaced
-from jousto.model.overlaps import SHOWN, TOUCHING, Overlap, overlaps
+from jousto.model.overlaps import SHOWN, TOUCHING, Overlap, apart_sets, overlaps
 from jousto.model.rank.redundancy import RANK, constraint_matrix
 
 MOST = 2000
@@ -48,15 +48,6 @@ class Gaps:
     gap: Array
     size: Array
     rows: Any
-
-
-def apart_sets(mechanism: Mechanism) -> set[str]:
-    """Return the names of the sets of contacts that move bodies apart."""
-    return {
-        force.name
-        for force in mechanism.forces
-        if isinstance(force, Contacts) and force.overlap == "apart"
-    }
 
 
 def pushed_apart(mechanism: Mechanism, model: Model, held: Sequence[NamedLine]) -> Model:

@@ -65,7 +65,7 @@ class RailContact(ForceElement, tag="rail-contact"):
     >>> rail, hub = ground.at((0, 0.75, 0)), axle.at((0, 0.75, 0))
     >>> left = RailContact("left", rail, hub, 0.46, -0.05, mu=0.3, play=7e-3, axle=(0, 1, 0))
     >>> print(*(round(c, 2) for c in left.tread_patch.coefficients))
-    4.82 4.44 2.11 0.93
+    4.62 4.17 1.87 0.98
     """
 
     kind = "rail contact"

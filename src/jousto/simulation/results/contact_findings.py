@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from jousto.model.overlaps import DEEP
-
 FEW = 10
 """Steps of a contact below which its restitution is wrong by more than 0.004 (RK4, ROS2: 0.03)."""
 ADVISED = 20
@@ -71,6 +69,8 @@ def _few_steps(events: Sequence[Any], pairs: Sequence[Any]) -> str:
 
 def _deep(events: Sequence[Any], pairs: Sequence[Any]) -> str:
     """Report the deepest contact over the size of its smaller shape."""
+    from jousto.model.overlaps import DEEP
+
     sizes = np.array([pair.thickness for pair in pairs])
     depths = np.array([event.depth for event in events])
     if not (sizes > 0.0).any():
