@@ -11,21 +11,6 @@ static const jo_rail_patch *patch_of(const jo_force *f, int i) { return (const j
 
 static const jo_real rail_rest[3] = {0.0, 0.0, 0.0};
 
-/* the motion r, v, w of b on a, with the axle n, changed by the k-th of [position, rotation, velocity, angular velocity]; k -1: unchanged */
-static jo_rail_motion motion_of(const jo_real *r, const jo_real *R, const jo_real *v, const jo_real *w, int k)
-{
-    jo_rail_motion y;
-    jo_real n[3], e[3] = {0.0, 0.0, 0.0}, turned[3];
-    if (k >= 0) e[k % 3] = 1.0;
-    jo_axis(n, R, 2);
-    jo_cross(turned, e, n);
-    y.r = jo_dual3_of(r, k / 3 == 0 && k >= 0 ? e : rail_rest);
-    y.n = jo_dual3_of(n, k / 3 == 1 ? turned : rail_rest);
-    y.v = jo_dual3_of(v, k / 3 == 2 ? e : rail_rest);
-    y.w = jo_dual3_of(w, k / 3 == 3 ? e : rail_rest);
-    return y;
-}
-
 /* adds force and torque on b, at its origin, resolved in a */
 static void add_force(const jo_rail_touch *t, jo_dual3 *F, jo_dual3 *T)
 {
@@ -43,7 +28,7 @@ static jo_real stored(const jo_data *d, const jo_force *f)
 {
     jo_real r[3], R[9], sum = jo_same(0.0);
     jo_relative_pose(d, f, r, R);
-    const jo_rail_motion at = motion_of(r, R, rail_rest, rail_rest, -1);
+    const jo_wheel_motion at = jo_wheel_motion_of(r, R, rail_rest, rail_rest, -1);
     for (int i = 0; i < count_of(f); i++) {
         const jo_rail_touch t = jo_rail_touch_of(numbers(f), patch_of(f, i), &at, jo_same(0.0));
         sum += stored_in(&t);
@@ -59,7 +44,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     jo_dual3 F = jo_dual3_of(rail_rest, rail_rest), T = F;
     jo_relative_pose(d, f, r, R);
     jo_relative_velocity(m, d, f, v, w);
-    const jo_rail_motion at = motion_of(r, R, v, w, -1);
+    const jo_wheel_motion at = jo_wheel_motion_of(r, R, v, w, -1);
     *out = none;
     int touches = 0;
     for (int i = 0; i < count_of(f); i++) {
@@ -88,7 +73,7 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
     for (int i = 0; i < count_of(f); i++) {
         jo_real along = jo_same(0.0);
         for (int k = 0; k < 12; k++) {
-            const jo_rail_motion at = motion_of(r, R, v, w, k);
+            const jo_wheel_motion at = jo_wheel_motion_of(r, R, v, w, k);
             const jo_rail_touch t = jo_rail_touch_of(numbers(f), patch_of(f, i), &at, along);
             jo_dual3 F = jo_dual3_of(rail_rest, rail_rest), T = F;
             along = t.along;
@@ -114,7 +99,7 @@ void jo_rail_report(const jo_model *m, const jo_data *d, const jo_force *f, int 
     jo_real r[3], R[9], v[3], w[3];
     jo_relative_pose(d, f, r, R);
     jo_relative_velocity(m, d, f, v, w);
-    const jo_rail_motion at = motion_of(r, R, v, w, -1);
+    const jo_wheel_motion at = jo_wheel_motion_of(r, R, v, w, -1);
     const jo_rail_touch t = jo_rail_touch_of(numbers(f), c, &at, jo_same(0.0));
     /* half axes and pressure grow with the root of the depth */
     const jo_real grows = t.touches ? jo_sqrt(t.depth.v) : jo_same(0.0);

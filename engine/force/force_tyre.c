@@ -12,6 +12,7 @@
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/tyre_law.h"
+#include "force/wheel_motion.h"
 
 #define JO_TYRE_FLAT 1e-3       /* sine of the angle between axle and normal below which a wheel lies on its side */
 #define JO_TYRE_RELAXES 100.0   /* rate at which the deflection of a tyre in the air vanishes, 1/s */
@@ -30,23 +31,7 @@ typedef struct {
 
 static const jo_real up[3] = {0.0, 0.0, 1.0}, zero[3] = {0.0, 0.0, 0.0};
 
-/* the motion r, v, w of b on a, with the axle n, changed by the k-th of [position, rotation, velocity, angular velocity]; k -1: unchanged */
-typedef struct { jo_dual3 r, n, v, w; } motion;
-static motion motion_of(const jo_real *r, const jo_real *R, const jo_real *v, const jo_real *w, int k)
-{
-    motion y;
-    jo_real n[3], e[3] = {0.0, 0.0, 0.0}, turned[3];
-    if (k >= 0) e[k % 3] = 1.0;
-    jo_axis(n, R, 2);
-    jo_cross(turned, e, n);
-    y.r = jo_dual3_of(r, k / 3 == 0 && k >= 0 ? e : zero);
-    y.n = jo_dual3_of(n, k / 3 == 1 ? turned : zero);
-    y.v = jo_dual3_of(v, k / 3 == 2 ? e : zero);
-    y.w = jo_dual3_of(w, k / 3 == 3 ? e : zero);
-    return y;
-}
-
-static wheel wheel_of(const jo_tyre_data *x, const motion *m)
+static wheel wheel_of(const jo_tyre_data *x, const jo_wheel_motion *m)
 {
     wheel y;
     const jo_dual3 k = jo_dual3_of(up, zero);
@@ -138,7 +123,7 @@ static jo_real stored(const jo_data *d, const jo_force *f)
     const jo_tyre_data *x = numbers(f);
     jo_real r[3], R[9];
     jo_relative_pose(d, f, r, R);
-    const motion at = motion_of(r, R, zero, zero, -1);
+    const jo_wheel_motion at = jo_wheel_motion_of(r, R, zero, zero, -1);
     const wheel y = wheel_of(x, &at);
     return y.touches ? 0.5 * x->stiffness * y.defl.v * y.defl.v : jo_same(0.0);
 }
@@ -150,7 +135,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     const jo_tyre_data *x = numbers(f);
     jo_real r[3], R[9], v[3], w[3], decay;
     present(m, d, f, r, R, v, w);
-    const motion at = motion_of(r, R, v, w, -1);
+    const jo_wheel_motion at = jo_wheel_motion_of(r, R, v, w, -1);
     const wheel y = wheel_of(x, &at);
     jo_dual deflection[2];
     for (int i = 0; i < 2; i++) {
@@ -207,7 +192,7 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
     jo_real r[3], R[9], v[3], w[3], load[6], X[6][12];
     present(m, d, f, r, R, v, w);
     for (int k = 0; k < 12; k++) {
-        const motion at = motion_of(r, R, v, w, k);
+        const jo_wheel_motion at = jo_wheel_motion_of(r, R, v, w, k);
         const wheel y = wheel_of(x, &at);
         if (!y.touches || !(JO_RE(y.load.v) > 0.0)) return JO_OK;
         jo_dual deflection[2], resistance;
@@ -230,7 +215,7 @@ static void start(const jo_model *m, const jo_data *d, const jo_force *f, jo_rea
 {
     jo_real r[3], R[9], v[3], w[3], decay;
     present(m, d, f, r, R, v, w);
-    const motion at = motion_of(r, R, v, w, -1);
+    const jo_wheel_motion at = jo_wheel_motion_of(r, R, v, w, -1);
     const wheel y = wheel_of(numbers(f), &at);
     /* steady slip; 0 at rest */
     for (int i = 0; i < 2; i++) {

@@ -26,7 +26,7 @@ static const jo_real rail_none[3] = {0.0, 0.0, 0.0};
 /* the line in the middle of the head at s: distance D, its derivatives along the line, normal and place */
 typedef struct { jo_dual distance, slope; jo_real second; jo_dual3 normal, p; } section_at;
 
-static section_at section_of(const jo_rail_patch *c, const jo_rail_motion *m, jo_dual s)
+static section_at section_of(const jo_rail_patch *c, const jo_wheel_motion *m, jo_dual s)
 {
     section_at y;
     const jo_real middle[3] = {jo_same(0.0), c->y, c->z};
@@ -59,7 +59,7 @@ static section_at section_of(const jo_rail_patch *c, const jo_rail_motion *m, jo
 }
 
 /* where the line is nearest to the wheel */
-static section_at nearest(const jo_rail_patch *c, const jo_rail_motion *m, jo_real *s)
+static section_at nearest(const jo_rail_patch *c, const jo_wheel_motion *m, jo_real *s)
 {
     section_at y = section_of(c, m, jo_dual_of(*s, jo_same(0.0)));
     for (int i = 0; i < JO_RAIL_SEARCH; i++) {
@@ -110,7 +110,7 @@ static void creep(const jo_rail_data *x, const jo_rail_patch *c, jo_rail_touch *
     y->moment = jo_dual_mul(part, y->moment);
 }
 
-jo_rail_touch jo_rail_touch_of(const jo_rail_data *x, const jo_rail_patch *c, const jo_rail_motion *m, jo_real along)
+jo_rail_touch jo_rail_touch_of(const jo_rail_data *x, const jo_rail_patch *c, const jo_wheel_motion *m, jo_real along)
 {
     jo_rail_touch y;
     const jo_dual none = jo_dual_constant(0.0);

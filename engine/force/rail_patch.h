@@ -3,6 +3,7 @@
 #define JO_RAIL_PATCH_H
 
 #include "dual.h"
+#include "force/wheel_motion.h"
 
 /* Numbers of a patch, after those of the force. */
 typedef struct {
@@ -13,9 +14,6 @@ typedef struct {
     jo_real creep[4];           /* G a b C11, G a b C22 per depth, G (a b)^1.5 C23 per depth^1.5, G (a b)^2 C33 per depth^2 */
     jo_real hertz[3];           /* largest pressure, Pa, and half axes along and across, m, under 1 N */
 } jo_rail_patch;
-
-/* Motion of the wheel b, axle n, on the rail a, resolved in a. */
-typedef struct { jo_dual3 r, n, v, w; } jo_rail_motion;
 
 /* A patch in motion. */
 typedef struct {
@@ -29,6 +27,6 @@ typedef struct {
 } jo_rail_touch;
 
 /* the patch p at a motion; along: start of the search */
-jo_rail_touch jo_rail_touch_of(const jo_rail_data *x, const jo_rail_patch *p, const jo_rail_motion *m, jo_real along);
+jo_rail_touch jo_rail_touch_of(const jo_rail_data *x, const jo_rail_patch *p, const jo_wheel_motion *m, jo_real along);
 
 #endif

@@ -61,6 +61,24 @@ static void point_gradients(const jo_real *r, const jo_real *e, jo_coordinate_wo
     jo_cross(w->turn_a, w->along, p);
 }
 
+/* their changes by dr, de and that of t, `along` */
+static void point_gradients_change(const jo_real *r, const jo_real *dr, const jo_real *e, const jo_real *de, const jo_real *t, const jo_real *along,
+                                   jo_real *turn_a, jo_real *turn_b)
+{
+    jo_real p[3], dp[3], y[3];
+    /* (e x t)' and (t x (r + e))' */
+    jo_cross(turn_b, de, t);
+    jo_cross(y, e, along);
+    jo_add3(turn_b, y);
+    jo_set3(p, r);
+    jo_add3(p, e);
+    jo_set3(dp, dr);
+    jo_add3(dp, de);
+    jo_cross(turn_a, along, p);
+    jo_cross(y, t, dp);
+    jo_add3(turn_a, y);
+}
+
 /* SLIP: value and gradient */
 static void slip_value(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, jo_coordinate_work *w)
 {
@@ -77,24 +95,15 @@ static void slip_value(const jo_coordinate *q, const jo_marker_work *a, const jo
 static void slip_change(const jo_coordinate *q, const jo_marker_work *a, const jo_marker_work *b, const jo_real *dr, const jo_real *pa,
                         jo_real *along, jo_real *turn_a, jo_real *turn_b)
 {
-    jo_real e[3], t[3], p[3], de[3], dp[3], y[3];
+    jo_real e[3], t[3], de[3], r[3];
     jo_axis(e, a->A, 2);
     scaled(e, jo_same(-q->radius), e);
     jo_axis(t, a->A, q->axis_a);
     jo_cross(de, pa, e);
     jo_cross(along, pa, t);
-    /* (e x t)' and (t x (r + e))' */
-    jo_cross(turn_b, de, t);
-    jo_cross(y, e, along);
-    jo_add3(turn_b, y);
-    jo_set3(p, b->r);
-    jo_sub3(p, a->r);
-    jo_add3(p, e);
-    jo_set3(dp, dr);
-    jo_add3(dp, de);
-    jo_cross(turn_a, along, p);
-    jo_cross(y, t, dp);
-    jo_add3(turn_a, y);
+    jo_set3(r, b->r);
+    jo_sub3(r, a->r);
+    point_gradients_change(r, dr, e, de, t, along, turn_a, turn_b);
 }
 
 /* value and gradient along, turn_a, turn_b */
@@ -154,7 +163,7 @@ void jo_rolling_change(const jo_coordinate *q, const jo_marker_work *a, const jo
         return;
     }
     const int across = q->type == JO_COORDINATE_ACROSS;
-    jo_real e[3], d[3], de[3], p[3], dp[3];
+    jo_real e[3], d[3], de[3];
     directions(&x, across, e, d);
     for (int i = 0; i < 3; i++) de[i] = R * ((dc * x.n[i] + x.c * dn[i] - dk[i] - ds * e[i]) / x.s);
     if (across) {
@@ -165,14 +174,5 @@ void jo_rolling_change(const jo_coordinate *q, const jo_marker_work *a, const jo
         for (int i = 0; i < 3; i++) along[i] = (t[i] + u[i] - ds * d[i]) / x.s;
     }
     scaled(e, jo_same(R), e);
-    jo_cross(turn_b, de, d);
-    jo_cross(t, e, along);
-    jo_add3(turn_b, t);
-    jo_set3(p, x.r);
-    jo_add3(p, e);
-    jo_set3(dp, dr);
-    jo_add3(dp, de);
-    jo_cross(turn_a, along, p);
-    jo_cross(t, d, dp);
-    jo_add3(turn_a, t);
+    point_gradients_change(x.r, dr, e, de, d, along, turn_a, turn_b);
 }
