@@ -161,7 +161,8 @@ static void rates_of_edges(const jo_contact_pair_pose *p, const int *of, jo_appr
         on_a[i] = JO_RE(g.foot[i]);
         on_b[i] = on_a[i] + JO_RE(g.gap) * n[i];
     }
-    if (!(sine > 0.0 && jo_polytope_rises(&p->a, of[0], of[1], n) > spin * h / sine && jo_polytope_rises(&p->b, of[2], of[3], back) > spin * h * (1.0 + 1.0 / sine))) return;
+    if (!(sine > 0.0 && jo_polytope_rises(&p->a, of[0], of[1], n) > spin * h / sine)) return;
+    if (!(jo_polytope_rises(&p->b, of[2], of[3], back) > spin * h * (1.0 + 1.0 / sine))) return;
     const double slides = (jo_approach_speed(to) + fabs(JO_RE(g.gap)) * spin / sine) / sine;
     if (!(jo_polytope_room(&p->a, of[0], of[1], on_a) > slides * h && jo_polytope_room(&p->b, of[2], of[3], on_b) > slides * h)) return;
     narrow(to, rate_at(p, n, on_b), spin * (jo_approach_speed(to) / sine + 2.0 * slides));

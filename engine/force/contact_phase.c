@@ -218,8 +218,8 @@ static double resolved_step(const jo_contact_law *x, const jo_real *state, doubl
     return age < JO_CONTACT_LASTS * T ? T / JO_CONTACT_PARTS : INFINITY;
 }
 
-/* A short contact is resolved in JO_CONTACT_PARTS steps, and in as many until a strong damping has stopped the approach. An explicit method is stable up to some 2 / (omega + c / mass), omega^2 = k / mass;
- * several contacts of one body add up. */
+/* A short contact is resolved in JO_CONTACT_PARTS steps, and in as many until a strong damping has stopped the approach. An explicit method is
+ * stable up to some 2 / (omega + c / mass), omega^2 = k / mass; several contacts of one body add up. */
 double jo_contact_longest_step(const jo_contact_law *x, const jo_real *state, jo_real time, int explicit_method, const jo_contact_point *y)
 {
     double longest = INFINITY;

@@ -136,7 +136,7 @@ static int first_crossing(const jo_model *m, jo_data *d, const jo_solver *s, dou
             return JO_OK;
         }
         if (*length < JO_TOUCH_RESOLUTION * s->step) {
-            if (!jo_closed_at_end(m, d, doubtful)) jo_note_doubt(m, d, doubtful);
+            if (!jo_closed_at_end(m, d, doubtful)) jo_note_doubt(m, d, doubtful);   /* else that is the touch at its end */
             return JO_OK;
         }
         *length *= 0.5;
@@ -177,8 +177,9 @@ static int part_step(const jo_model *m, jo_data *d, const jo_solver *s, int firs
     return status;
 }
 
-/* After a part that did not converge, or led to no finite state: back to its start with eased forces or, if there are none, with half of its length: forces have kinks
- * where a contact begins and where a slip ends, over which Newton's iteration may oscillate. 0 if the part is too short already. */
+/* After a part that did not converge, or led to no finite state: back to its start with eased forces or, if there are none, with half of its
+ * length: forces have kinks where a contact begins and where a slip ends, over which Newton's iteration may oscillate. 0 if the part is too
+ * short already. */
 static int try_again(const jo_model *m, jo_data *d, const jo_solver *s, double *longest, double length)
 {
     if (!m->nyielding || !(length > JO_SHORTEST_PART * s->step)) return 0;

@@ -41,9 +41,8 @@ def rest_on_contacts(model: Model, state: State | None) -> State:
     SimulationError
         If the mechanism does not come to rest.
     """
+    without_sticking(model, "equilibrium")
     for friction in model.frictions:
-        if friction.contact >= 0:
-            without_sticking(model, "equilibrium")
         if friction.sticks:
             where = f"friction '{friction.name}'"
             text = "sticks beside contacts, so that it would hold the start; give it "
